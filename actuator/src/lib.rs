@@ -1,0 +1,37 @@
+//! Plain data of FREE (Fiber Reinforced Elastomeric Enclosure) actuators, with no solver in it.
+//!
+//! A latex tube ([`Tube`]) wound with cotton thread ([`Winding`]) makes a [`Free`]; several of them between two
+//! rigid plates make a [`Module`]. A [`Description`] is read from TOML at the edge; inside, everything is SI and radians.
+//! What the finite elements compute is kept in a [`FreeMap`] or a [`ModuleMap`], the only thing that the finite elements
+//! and the reduced-order model share.
+//!
+//! # Conventions
+//! * Frame: z along the tube from the base plate to the tip plate, right-handed.
+//! * The **winding angle** is measured from the hoop direction: 0 = rings, pi/2 = along the tube.
+//! * Handedness *right*: the fibre is a right-handed helix about +z, `Theta = k Z + eta` with `k = cot(angle)/B > 0`.
+//! * Twist is positive counter-clockwise seen from the tip looking back to the base (a right-handed rotation about +z);
+//!   a right-handed FREE of 30 degrees turns negative when inflated.
+//! * Pressure is gauge, Pa.
+
+pub mod artefact;
+mod description;
+mod elastomer;
+mod free;
+mod free_map;
+mod module;
+mod module_map;
+mod pose;
+mod section;
+mod tube;
+pub mod units;
+mod winding;
+
+pub use description::{Description, DescriptionError, Rig};
+pub use elastomer::{Elastomer, OgdenForm};
+pub use free::Free;
+pub use free_map::{FreeMap, FreePath, FreeState, PathEnd};
+pub use module::{Base, Limits, Module, PlacedFree, Tip};
+pub use module_map::{MapParameter, ModuleCheck, ModuleMap, ModuleState};
+pub use pose::{PoseChart, TipPose, wrap_angle};
+pub use tube::Tube;
+pub use winding::{Fibre, FibreLaw, Handedness, Winding};

@@ -1,0 +1,86 @@
+use crate::{Limits, Module, PoseChart};
+use serde::{Deserialize, Serialize};
+
+/// A quantity of the module that is known less well than its pressures, to which a map keeps its sensitivity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum MapParameter {
+    /// Mass carried at the tip plate's centre, kg, beyond the description's own.
+    Payload,
+    /// Factor on the bending stiffness of every FREE, minus one.
+    BendingStiffness,
+}
+
+/// A converged equilibrium of a module.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModuleState {
+    /// Tip pose in the chart that does not wrap.
+    pub chart: PoseChart,
+    /// Derivatives of the chart (in the order of [`PoseChart::to_array`]) with respect to each of [`ModuleMap::parameters`],
+    /// from the finite elements' tangent at this state.
+    pub slopes: Vec<[f64; 6]>,
+    /// Number of negative pivots of the tangent: 0 = stable, more = buckled.
+    pub negative_pivots: u32,
+    /// Relative residual of the equilibrium.
+    pub residual: f64,
+}
+
+/// A state off the grid, for a fit to be judged by and never to be fitted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModuleCheck {
+    /// Pressures, Pa.
+    pub pressures: Vec<f64>,
+    /// The equilibrium there.
+    pub state: ModuleState,
+}
+
+/// Tip poses of a module over the pressures of its FREEs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModuleMap {
+    /// The module.
+    pub module: Module,
+    /// Its limits.
+    pub limits: Limits,
+    /// Parameters whose slopes every state carries.
+    pub parameters: Vec<MapParameter>,
+    /// Grid of each FREE's pressure, Pa, rising from zero.
+    pub pressures: Vec<Vec<f64>>,
+    /// States over the grid, last FREE fastest; `None` = not computed yet or not converged.
+    pub states: Vec<Option<ModuleState>>,
+    /// States between the nodes.
+    pub checks: Vec<ModuleCheck>,
+    /// Limit pressure of each FREE alone, Pa, where it has one.
+    pub limit_pressures: Vec<Option<f64>>,
+    /// Settings of the finite elements, in words; says what is provisional.
+    pub settings: String,
+    /// Name and text of the description it was made from.
+    pub source: (String, String),
+}
+
+impl ModuleMap {
+    /// Number of grid nodes.
+    pub fn node_count(&self) -> usize {
+        self.pressures.iter().map(Vec::len).product()
+    }
+
+    /// Pressures (Pa) of a node.
+    pub fn node_pressures(&self, node: usize) -> Vec<f64> {
+        let mut rest = node;
+        let mut values: Vec<f64> = self
+            .pressures
+            .iter()
+            .rev()
+            .map(|axis| {
+                let value = axis[rest % axis.len()];
+                rest /= axis.len();
+                value
+            })
+            .collect();
+        values.reverse();
+        values
+    }
+
+    /// Whether every node was computed.
+    pub fn is_complete(&self) -> bool {
+        self.states.iter().all(Option::is_some)
+    }
+}

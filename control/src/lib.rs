@@ -1,0 +1,1 @@
+//! The inverse problem of FREE modules on Clarabel, and trajectories.

@@ -1,0 +1,5 @@
+//! Reduced-order models of FREE actuators: splines fitted from maps, forward effects, the model file.
+
+mod pose_model;
+
+pub use pose_model::{OutOfDomain, PoseEvaluation, PoseModel};
