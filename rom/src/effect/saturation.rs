@@ -1,0 +1,28 @@
+//! A supply that cannot give more than its own pressure: `p = min(u, p_s)`. No state.
+
+use super::Parameter;
+
+/// `supply_kpa`: p_s.
+pub(super) const PARAMETERS: &[Parameter] = &[Parameter {
+    name: "supply_kpa",
+    unit: 1e3,
+    neutral: 1e9,
+    start: 40e3,
+    lower: 1e3,
+    upper: 1e9,
+    scale: 1e3,
+}];
+
+/// min(u, p_s), Pa.
+pub(super) fn pressure(values: &[f64], command: f64) -> f64 {
+    command.min(values[0])
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn below_the_supply_nothing_changes() {
+        assert_eq!(super::pressure(&[34e3], 20e3), 20e3);
+        assert_eq!(super::pressure(&[34e3], 40e3), 34e3);
+    }
+}
