@@ -41,5 +41,42 @@ pub trait PoseModel {
     /// Least and greatest pressure (Pa) of each FREE: the box in which the model answers.
     fn domain(&self) -> &[(f64, f64)];
     /// Pose and derivatives at the pressures (Pa), without allocation.
+    ///
+    /// # Panics
+    /// When there are not as many pressures, or not as much room in `into`, as the model has FREEs and parameters.
     fn evaluate(&self, pressures: &[f64], into: &mut PoseEvaluation) -> Result<(), OutOfDomain>;
+
+    /// As [`PoseModel::evaluate`], but a pressure may lie up to `reach` (Pa) outside the domain: the pose is then continued
+    /// linearly from the nearest point inside, with the derivatives of that point. For measured pressures, whose noise passes
+    /// zero. Without allocation.
+    ///
+    /// # Panics
+    /// As [`PoseModel::evaluate`], and for more than [`crate::MAX_AXES`] pressures.
+    fn evaluate_near(
+        &self,
+        pressures: &[f64],
+        reach: f64,
+        into: &mut PoseEvaluation,
+    ) -> Result<(), OutOfDomain> {
+        let domain = self.domain();
+        let mut inside = [0.0; crate::MAX_AXES];
+        let inside = &mut inside[..pressures.len()];
+        for (free, ((nearest, &pressure), &(lower, upper))) in
+            inside.iter_mut().zip(pressures).zip(domain).enumerate()
+        {
+            if !(lower - reach <= pressure && pressure <= upper + reach) {
+                return Err(OutOfDomain { free, pressure, lower, upper });
+            }
+            *nearest = pressure.clamp(lower, upper);
+        }
+        self.evaluate(inside, into)?;
+        let mut values = into.chart.to_array();
+        for ((pressure, nearest), slopes) in pressures.iter().zip(inside.iter()).zip(&into.jacobian) {
+            for (value, slope) in values.iter_mut().zip(slopes) {
+                *value += slope * (pressure - nearest);
+            }
+        }
+        into.chart = PoseChart::from_array(values);
+        Ok(())
+    }
 }
