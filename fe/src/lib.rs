@@ -1,7 +1,10 @@
 //! Finite elements of FREE actuators: materials, section, rod module, continuation.
 
+mod closed_form;
+mod jet;
 mod run;
 mod section_law;
 
+pub use closed_form::{ClosedFormError, ThickTube};
 pub use run::{Run, Shard};
 pub use section_law::{SectionLaw, SectionResponse};
