@@ -1,5 +1,43 @@
-//! Recordings of FREE actuators: MCAP (ROS 2 profile) and CSV, reading, repair, resampling.
+//! Recordings of FREE actuators: MCAP (ROS 2 profile) and CSV, reading, checking, resampling.
+//!
+//! A [`Recording`] is what came out of one run of a rig. It is read from CSV by [`read_csv`], as the rig's table
+//! `[recordings]` says ([`Layout`]). What is irregular about it is listed in [`Findings`] and never mended silently.
 
+mod csv_file;
+mod error;
+mod examine;
+mod findings;
+mod layout;
+mod quantity;
 mod recording;
 
+pub use csv_file::{parse_csv, read_csv, write_csv};
+pub use error::RecordError;
+pub use examine::examine;
+pub use findings::{Finding, FindingKind, Findings};
+pub use layout::{Layout, PoseOrigin, PressureReference};
+pub use quantity::Quantity;
 pub use recording::{Channel, Motion, Recording};
+
+/// A module of `frees` FREEs, 175 mm long, with the given table `[recordings]`.
+#[cfg(test)]
+pub(crate) fn rig_for_tests(frees: usize, recordings: &str) -> actuator::Rig {
+    let mut text =
+        "kind = \"module\"\n[defaults]\nlength_mm = 175.0\ninner_diameter_mm = 9.52\nwall_mm = 0.8\n\
+                    winding_angle_deg = 30.0\nfibres = 6\nfibre_ea_newton = 644.0\n[defaults.elastomer]\n\
+                    model = \"neo-hookean\"\nshear_modulus_mpa = 0.4\n[limits]\npressure_max_kpa = 50.0\n"
+            .to_owned();
+    for free in 0..frees {
+        text += &format!("[[free]]\nposition_mm = [{}.0, 0.0]\n", 20 * free);
+    }
+    actuator::Rig::parse(std::path::Path::new("rig.toml"), text + recordings).unwrap()
+}
+
+/// A single FREE, 86.4 mm long.
+#[cfg(test)]
+pub(crate) fn free_for_tests(recordings: &str) -> actuator::Rig {
+    let text = "kind = \"free\"\nlength_mm = 86.4\ninner_diameter_mm = 9.52\nwall_mm = 0.8\nwinding_angle_deg = 40.0\n\
+                fibres = 6\nfibre_ea_newton = 644.0\n[elastomer]\nmodel = \"neo-hookean\"\nshear_modulus_mpa = 0.4\n\
+                [limits]\npressure_max_kpa = 100.0\n";
+    actuator::Rig::parse(std::path::Path::new("free.toml"), text.to_owned() + recordings).unwrap()
+}
