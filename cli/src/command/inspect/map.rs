@@ -1,0 +1,303 @@
+use super::Content;
+use crate::{
+    map_csv,
+    map_file::MapFile,
+    plot::{Chart, Mark, Series},
+    table::{Table, short},
+};
+use actuator::{FreeMap, FreePath, FreeState, ModuleMap, PoseChart, units::*};
+use serde_json::json;
+use std::path::Path;
+
+/// Longest table of nodes worth printing.
+const MOST_ROWS: usize = 100;
+
+/// Stem of a file, label of an axis and what is drawn.
+type Quantity = (&'static str, &'static str, fn(&FreeState) -> f64);
+
+impl Content for FreeMap {
+    fn text(&self, path: &Path) -> String {
+        let (computed, nodes) = MapFile::Free(self.clone()).computed();
+        let states: usize = self.paths.iter().flatten().map(|path| path.states.len()).sum();
+        let mut text = format!(
+            "{}: map of the FREE \"{}\", {computed} of {nodes} nodes, {states} states, {} for checks\n  {}\n\n",
+            path.display(),
+            self.source.0,
+            self.checks.len(),
+            self.settings
+        );
+        let reference = self.common_pressure();
+        let mut table = Table::with_head(
+            [
+                "winding (° from hoop)".to_owned(),
+                "µ (MPa)".into(),
+                "states".into(),
+                "limit (kPa)".into(),
+                format!("at {} kPa: stretch", short(reference / KPA)),
+                "expansion".into(),
+                "twist (°/mm)".into(),
+            ]
+            .into(),
+        );
+        for (i, angle) in self.winding_angles.iter().enumerate() {
+            for (j, modulus) in self.shear_moduli.iter().enumerate().take(MOST_ROWS) {
+                let mut cells = vec![short(angle / DEG), short(modulus / MPA)];
+                match self.path(i, j) {
+                    None => cells.push("missing".into()),
+                    Some(path) => {
+                        cells.push(path.states.len().to_string());
+                        cells.push(path.limit_pressure().map_or("none met".into(), |p| short(p / KPA)));
+                        if let Some(state) = state_at(path, reference) {
+                            cells.push(format!("{:.4}", state.axial_stretch));
+                            cells.push(format!("{:.4}", state.expansion));
+                            cells.push(format!("{:.4}", state.twist_per_length / DEG * MM));
+                        }
+                    }
+                }
+                table.row_of(cells);
+            }
+        }
+        text + &table.text()
+    }
+
+    fn json(&self) -> serde_json::Value {
+        let node = |i: usize, j: usize| {
+            let path = self.path(i, j);
+            json!({
+                "winding_angle_deg": self.winding_angles[i] / DEG,
+                "shear_modulus_mpa": self.shear_moduli[j] / MPA,
+                "status": if path.is_some() { "converged" } else { "missing" },
+                "states": path.map(|path| path.states.len()),
+                "limit_pressure_kpa": path.and_then(FreePath::limit_pressure).map(|p| p / KPA),
+            })
+        };
+        let axes =
+            (0..self.winding_angles.len()).flat_map(|i| (0..self.shear_moduli.len()).map(move |j| (i, j)));
+        json!({
+            "content": "map", "kind": "free", "name": self.source.0, "settings": self.settings,
+            "complete": self.is_complete(), "checks": self.checks.len(),
+            "worst_residual": MapFile::Free(self.clone()).worst_residual(),
+            "nodes": axes.map(|(i, j)| node(i, j)).collect::<Vec<_>>(),
+        })
+    }
+
+    fn csv(&self) -> Option<String> {
+        Some(map_csv::free_map(self))
+    }
+
+    fn charts(&self) -> Vec<(String, Chart)> {
+        let quantities: [Quantity; 3] = [
+            ("axial-stretch", "axial stretch λ", |state| state.axial_stretch),
+            ("expansion", "expansion b/B", |state| state.expansion),
+            ("twist", "twist per length (°/mm)", |state| state.twist_per_length / DEG * MM),
+        ];
+        let mut charts = Vec::new();
+        for (j, modulus) in self.shear_moduli.iter().enumerate() {
+            let mu = short(modulus / MPA);
+            for (stem, label, value) in quantities {
+                let mut chart =
+                    Chart::new(format!("{}, µ = {mu} MPa", self.source.0), "pressure (kPa)", label);
+                for (i, angle) in self.winding_angles.iter().enumerate() {
+                    let Some(path) = self.path(i, j) else { continue };
+                    let points =
+                        path.states.iter().map(|state| (state.pressure / KPA, value(state))).collect();
+                    chart = chart.with(Series::new(format!("{:.0}°", angle / DEG), Mark::Line, points));
+                }
+                charts.push((format!("{stem}-{mu}-mpa"), chart));
+            }
+        }
+        let title = format!("{}: greatest pressure that has an equilibrium", self.source.0);
+        let mut limits = Chart::new(title, "winding angle (° from hoop)", "limit pressure (kPa)");
+        for (j, modulus) in self.shear_moduli.iter().enumerate() {
+            let limit = |i: usize| self.path(i, j).and_then(FreePath::limit_pressure);
+            let points = self.winding_angles.iter().enumerate();
+            let points = points.filter_map(|(i, angle)| Some((angle / DEG, limit(i)? / KPA))).collect();
+            limits = limits.with(Series::new(
+                format!("µ = {} MPa", short(modulus / MPA)),
+                Mark::LinePoints,
+                points,
+            ));
+        }
+        charts.push(("limit-pressure".into(), limits));
+        charts
+    }
+}
+
+/// What the tables need of a FREE's map.
+trait Reading {
+    /// Greatest pressure asked for that every computed path reaches, Pa.
+    fn common_pressure(&self) -> f64;
+}
+
+impl Reading for FreeMap {
+    fn common_pressure(&self) -> f64 {
+        let reached =
+            |pressure: f64| self.paths.iter().flatten().all(|path| state_at(path, pressure).is_some());
+        self.pressures.iter().rev().copied().find(|pressure| reached(*pressure)).unwrap_or(0.0)
+    }
+}
+
+/// The state at a pressure of the grid.
+fn state_at(path: &FreePath, pressure: f64) -> Option<&FreeState> {
+    path.states.iter().find(|state| (state.pressure - pressure).abs() <= 1e-9 * pressure.max(1.0))
+}
+
+impl Content for ModuleMap {
+    fn text(&self, path: &Path) -> String {
+        let (computed, nodes) = MapFile::Module(self.clone()).computed();
+        let mut text = format!(
+            "{}: map of the module \"{}\", {computed} of {nodes} nodes, {} states for checks, {} buckled\n  {}\n\n",
+            path.display(),
+            self.source.0,
+            self.checks.len(),
+            self.buckled(),
+            self.settings
+        );
+        let mut table =
+            Table::new(["FREE", "pressures", "from (kPa)", "to (kPa)", "limit (kPa)", "pressure max (kPa)"]);
+        for (i, axis) in self.pressures.iter().enumerate() {
+            table.row([
+                (i + 1).to_string(),
+                axis.len().to_string(),
+                short(axis.first().copied().unwrap_or(0.0) / KPA),
+                short(axis.last().copied().unwrap_or(0.0) / KPA),
+                self.limit_pressures[i].map_or("none met".into(), |p| short(p / KPA)),
+                short(self.limits.pressure_max[i] / KPA),
+            ]);
+        }
+        text += &table.text();
+        text += "\nTip at the corners of the pressures\n\n";
+        let mut corners =
+            Table::new(["<pressures (kPa)", "x (mm)", "y (mm)", "z (mm)", "twist (°)", "bend (°)"]);
+        for node in self.corners().into_iter().take(MOST_ROWS) {
+            let pressures: Vec<String> = self.node_pressures(node).iter().map(|p| short(p / KPA)).collect();
+            let mut cells = vec![pressures.join(", ")];
+            match &self.states[node] {
+                None => cells.push("missing".into()),
+                Some(state) => {
+                    let position = state.chart.to_pose().position / MM;
+                    cells.extend(position.iter().map(|mm| format!("{mm:.2}")));
+                    cells.push(format!("{:.1}", state.chart.twist / DEG));
+                    cells.push(format!("{:.1}", state.chart.bend[0].hypot(state.chart.bend[1]) / DEG));
+                }
+            }
+            corners.row_of(cells);
+        }
+        text + &corners.text()
+    }
+
+    fn json(&self) -> serde_json::Value {
+        let map = MapFile::Module(self.clone());
+        let (computed, nodes) = map.computed();
+        let kpa = |axis: &Vec<f64>| axis.iter().map(|p| p / KPA).collect::<Vec<_>>();
+        json!({
+            "content": "map", "kind": "module", "name": self.source.0, "settings": self.settings,
+            "complete": self.is_complete(), "nodes": nodes, "computed": computed, "buckled": self.buckled(),
+            "checks": self.checks.len(), "worst_residual": map.worst_residual(),
+            "pressures_kpa": self.pressures.iter().map(kpa).collect::<Vec<_>>(),
+            "limit_pressures_kpa": self.limit_pressures.iter().map(|p| p.map(|p| p / KPA)).collect::<Vec<_>>(),
+        })
+    }
+
+    fn csv(&self) -> Option<String> {
+        Some(map_csv::module_map(self))
+    }
+
+    fn charts(&self) -> Vec<(String, Chart)> {
+        let poses: Vec<_> =
+            self.states.iter().flatten().map(|state| state.chart.to_pose().position / MM).collect();
+        let name = &self.source.0;
+        let view = |title: &str, across: (&str, usize), up: (&str, usize)| {
+            let points = poses.iter().map(|p| (p[across.1], p[up.1])).collect();
+            let chart = Chart::new(format!("{name}: {title}"), across.0, up.0);
+            Chart { equal_axes: true, ..chart }.with(Series::new("", Mark::Dots, points))
+        };
+        let alone = |title: &str, label: &str, value: fn(&PoseChart) -> f64| {
+            let mut chart = Chart::new(format!("{name}: {title}"), "pressure (kPa)", label);
+            for i in 0..self.pressures.len() {
+                let states = self.line(i).into_iter().filter_map(|node| {
+                    let state = self.states[node].as_ref()?;
+                    Some((self.node_pressures(node)[i] / KPA, value(&state.chart)))
+                });
+                chart =
+                    chart.with(Series::new(format!("FREE {}", i + 1), Mark::LinePoints, states.collect()));
+            }
+            chart
+        };
+        vec![
+            (
+                "tip-from-above".into(),
+                view("tip at every node, seen along the axis", ("x (mm)", 0), ("y (mm)", 1)),
+            ),
+            (
+                "tip-from-the-side".into(),
+                view("tip at every node, from the side", ("x (mm)", 0), ("z (mm)", 2)),
+            ),
+            ("twist".into(), alone("one FREE at a time", "twist of the tip (°)", |chart| chart.twist / DEG)),
+            (
+                "bend".into(),
+                alone("one FREE at a time", "bend of the tip (°)", |chart| {
+                    chart.bend[0].hypot(chart.bend[1]) / DEG
+                }),
+            ),
+        ]
+    }
+}
+
+/// Nodes of a module's map that the tables and charts pick out.
+trait Nodes {
+    /// Nodes where every pressure is its least or its greatest.
+    fn corners(&self) -> Vec<usize>;
+    /// Nodes where only FREE `i` is under pressure.
+    fn line(&self, i: usize) -> Vec<usize>;
+    /// Number of states on a buckled branch.
+    fn buckled(&self) -> usize;
+}
+
+impl Nodes for ModuleMap {
+    fn corners(&self) -> Vec<usize> {
+        let is_end = |p: &f64, axis: &Vec<f64>| axis.first() == Some(p) || axis.last() == Some(p);
+        let is_corner = |node: &usize| {
+            self.node_pressures(*node).iter().zip(&self.pressures).all(|(p, axis)| is_end(p, axis))
+        };
+        (0..self.node_count()).filter(is_corner).collect()
+    }
+
+    fn line(&self, i: usize) -> Vec<usize> {
+        let alone =
+            |node: &usize| self.node_pressures(*node).iter().enumerate().all(|(k, p)| k == i || *p == 0.0);
+        (0..self.node_count()).filter(alone).collect()
+    }
+
+    fn buckled(&self) -> usize {
+        self.states.iter().flatten().filter(|state| state.negative_pivots > 0).count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map_file::samples;
+
+    #[test]
+    fn a_map_is_told_in_words_numbers_and_pictures() {
+        let map = samples::free_map();
+        assert_eq!(map.common_pressure(), 2e4);
+        let text = map.text(Path::new("a.map"));
+        assert!(
+            text.contains("2 of 2 nodes") && text.contains("none met") && text.contains("30.00"),
+            "{text}"
+        );
+        assert_eq!(map.json()["nodes"][1]["limit_pressure_kpa"], 30.0);
+        assert_eq!(map.charts().len(), 4);
+
+        let module = samples::module_map();
+        let text = module.text(Path::new("a.map"));
+        assert!(
+            text.contains("2 of 3 nodes") && text.contains("1 buckled") && text.contains("missing"),
+            "{text}"
+        );
+        assert_eq!(module.corners(), [0, 2]);
+        assert_eq!(module.line(0), [0, 1, 2]);
+    }
+}

@@ -1,0 +1,133 @@
+//! Maps as CSV: one row a state, in the units that the columns name.
+
+use actuator::{
+    FreeMap, FreeState, ModuleMap, PathEnd, TipPose,
+    units::{DEG, KPA, MM, MPA},
+};
+
+/// Columns of a FREE's map.
+pub const FREE_HEADER: &str = "winding_angle_deg,shear_modulus_mpa,pressure_kpa,axial_stretch,expansion,\
+                               twist_per_length_deg_per_mm,limit_pressure_kpa,status";
+
+/// Columns of a pose.
+pub const POSE_HEADER: &str = "x_mm,y_mm,z_mm,qw,qx,qy,qz";
+
+/// A number for a file: twelve significant figures, without the dust of a conversion of units.
+pub fn number(value: f64) -> String {
+    if !value.is_finite() {
+        return String::new();
+    }
+    let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+    // 0.0 and -0.0 are one number to a reader.
+    if rounded == 0.0 { "0".into() } else { format!("{rounded}") }
+}
+
+/// Cells of the pressures' columns `p1_kpa`, ...
+pub fn pressure_header(count: usize) -> Vec<String> {
+    (1..=count).map(|i| format!("p{i}_kpa")).collect()
+}
+
+/// Cells of [`POSE_HEADER`].
+pub fn pose_cells(pose: &TipPose) -> Vec<String> {
+    let position = pose.position.iter().map(|metres| metres / MM);
+    position.chain(pose.wxyz()).map(number).collect()
+}
+
+/// Cells of stretch, expansion and twist per length.
+pub fn deformation_cells(state: &FreeState) -> Vec<String> {
+    vec![number(state.axial_stretch), number(state.expansion), number(state.twist_per_length / DEG * MM)]
+}
+
+/// The map of a FREE. Pressures asked for that lie above the limit pressure are rows without values.
+pub fn free_map(map: &FreeMap) -> String {
+    let mut text = FREE_HEADER.to_owned() + "\n";
+    for (i, angle) in map.winding_angles.iter().enumerate() {
+        for (j, modulus) in map.shear_moduli.iter().enumerate() {
+            let path = map.path(i, j);
+            let limit = path.and_then(|path| path.limit_pressure());
+            let mut row = |pressure: f64, values: Vec<String>, status: &str| {
+                let mut cells = vec![number(angle / DEG), number(modulus / MPA), number(pressure / KPA)];
+                cells.extend(values);
+                cells.push(limit.map(|limit| number(limit / KPA)).unwrap_or_default());
+                cells.push(status.to_owned());
+                text += &(cells.join(",") + "\n");
+            };
+            let nothing = || vec![String::new(); 3];
+            let Some(path) = path else {
+                map.pressures.iter().for_each(|pressure| row(*pressure, nothing(), "missing"));
+                continue;
+            };
+            let last = path.states.len().saturating_sub(1);
+            for (k, state) in path.states.iter().enumerate() {
+                let at_limit = k == last && path.end == PathEnd::LimitPoint;
+                row(
+                    state.pressure,
+                    deformation_cells(state),
+                    if at_limit { "limit point" } else { "converged" },
+                );
+            }
+            let end = path.states.last().map_or(0.0, |state| state.pressure);
+            let beyond = if limit.is_some() { "beyond limit" } else { "missing" };
+            map.pressures
+                .iter()
+                .filter(|p| **p > end * (1.0 + 1e-9))
+                .for_each(|p| row(*p, nothing(), beyond));
+        }
+    }
+    text
+}
+
+/// The map of a module.
+pub fn module_map(map: &ModuleMap) -> String {
+    let mut head = pressure_header(map.pressures.len());
+    head.extend([POSE_HEADER.to_owned(), "status".to_owned()]);
+    let mut text = head.join(",") + "\n";
+    for (node, state) in map.states.iter().enumerate() {
+        let mut cells: Vec<String> = map.node_pressures(node).iter().map(|p| number(p / KPA)).collect();
+        match state {
+            Some(state) => {
+                cells.extend(pose_cells(&state.chart.to_pose()));
+                cells.push(if state.negative_pivots == 0 { "converged" } else { "buckled" }.into());
+            }
+            None => {
+                cells.extend(vec![String::new(); 7]);
+                cells.push("missing".into());
+            }
+        }
+        text += &(cells.join(",") + "\n");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map_file::samples;
+
+    #[test]
+    fn a_free_has_one_row_a_state_and_empty_rows_beyond_its_limit() {
+        let text = free_map(&samples::free_map());
+        let rows: Vec<&str> = text.lines().collect();
+        assert_eq!(
+            rows[0],
+            "winding_angle_deg,shear_modulus_mpa,pressure_kpa,axial_stretch,expansion,twist_per_length_deg_per_mm,limit_pressure_kpa,status"
+        );
+        assert_eq!(rows[1], "20,0.393,0,1,1,0,,converged");
+        // -30e-5 rad/m a pascal at 40 kPa is -12 rad/m = -0.6875 deg/mm.
+        assert_eq!(rows[3], "20,0.393,40,1.06,1.04,-0.687549354157,,converged");
+        assert_eq!(rows[6], "70,0.393,30,0.98,1.03,-0.515662015618,30,limit point");
+        assert_eq!(rows[7], "70,0.393,40,,,,30,beyond limit");
+        assert_eq!(rows.len(), 8);
+        assert!(rows.iter().all(|row| row.split(',').count() == 8));
+    }
+
+    #[test]
+    fn a_module_has_one_row_a_node() {
+        let text = module_map(&samples::module_map());
+        let rows: Vec<&str> = text.lines().collect();
+        assert_eq!(rows[0], "p1_kpa,x_mm,y_mm,z_mm,qw,qx,qy,qz,status");
+        assert_eq!(rows[1], "0,0,0,130,1,0,0,0,converged");
+        assert!(rows[2].ends_with(",1,buckled"), "{}", rows[2]);
+        assert_eq!(rows[3], "40,,,,,,,,missing");
+    }
+}

@@ -1,0 +1,207 @@
+//! A map as it lies on disk: of a FREE or of a module.
+
+use crate::failure::Failure;
+use actuator::{FreeMap, ModuleMap, artefact};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A map of either kind.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum MapFile {
+    /// Of a single FREE over winding angle and shear modulus.
+    Free(FreeMap),
+    /// Of a module over the pressures of its FREEs.
+    Module(ModuleMap),
+}
+
+impl MapFile {
+    /// Reads a map.
+    pub fn read(path: &Path) -> Result<Self, Failure> {
+        Ok(artefact::read(path, artefact::MAP)?)
+    }
+
+    /// Writes a map, atomically.
+    pub fn write(&self, path: &Path) -> Result<(), Failure> {
+        Ok(artefact::write(path, artefact::MAP, self)?)
+    }
+
+    /// Name and text of the description it was made from.
+    pub fn source(&self) -> &(String, String) {
+        match self {
+            MapFile::Free(map) => &map.source,
+            MapFile::Module(map) => &map.source,
+        }
+    }
+
+    /// Number of nodes computed, and of all.
+    pub fn computed(&self) -> (usize, usize) {
+        match self {
+            MapFile::Free(map) => (map.paths.iter().flatten().count(), map.paths.len()),
+            MapFile::Module(map) => (map.states.iter().flatten().count(), map.states.len()),
+        }
+    }
+
+    /// Greatest relative residual of the states kept.
+    pub fn worst_residual(&self) -> f64 {
+        let residuals: Vec<f64> = match self {
+            MapFile::Free(map) => {
+                map.paths.iter().flatten().flat_map(|path| &path.states).map(|state| state.residual).collect()
+            }
+            MapFile::Module(map) => map.states.iter().flatten().map(|state| state.residual).collect(),
+        };
+        residuals.into_iter().fold(0.0, f64::max)
+    }
+
+    /// Why the two are not parts of one sweep, where they are not: the first thing that differs.
+    pub fn difference(&self, other: &MapFile) -> Option<&'static str> {
+        let first = |differences: &[(bool, &'static str)]| differences.iter().find(|d| d.0).map(|d| d.1);
+        match (self, other) {
+            (MapFile::Free(a), MapFile::Free(b)) => first(&[
+                (a.free != b.free, "the FREEs"),
+                (a.winding_angles != b.winding_angles, "the winding angles"),
+                (a.shear_moduli != b.shear_moduli, "the shear moduli"),
+                (a.pressures != b.pressures, "the pressures"),
+                (a.settings != b.settings, "the settings of the finite elements"),
+            ]),
+            (MapFile::Module(a), MapFile::Module(b)) => first(&[
+                (a.module != b.module, "the modules"),
+                (a.limits != b.limits, "the limits"),
+                (a.pressures != b.pressures, "the pressures"),
+                (a.parameters != b.parameters, "the parameters whose slopes are kept"),
+                (a.settings != b.settings, "the settings of the finite elements"),
+            ]),
+            _ => Some("the kinds (one is of a FREE, the other of a module)"),
+        }
+    }
+
+    /// Takes over what the other has computed and this one has not. `Err` where both have a node and disagree on it.
+    pub fn absorb(&mut self, other: MapFile) -> Result<(), &'static str> {
+        match (self, other) {
+            (MapFile::Free(mine), MapFile::Free(other)) => {
+                fill(&mut mine.paths, other.paths)?;
+                join(&mut mine.checks, other.checks);
+            }
+            (MapFile::Module(mine), MapFile::Module(other)) => {
+                fill(&mut mine.states, other.states)?;
+                join(&mut mine.checks, other.checks);
+                fill(&mut mine.limit_pressures, other.limit_pressures)?;
+            }
+            _ => return Err("the kinds differ"),
+        }
+        Ok(())
+    }
+}
+
+fn fill<T: PartialEq>(mine: &mut [Option<T>], others: Vec<Option<T>>) -> Result<(), &'static str> {
+    for (mine, other) in mine.iter_mut().zip(others) {
+        match (&*mine, &other) {
+            (Some(a), Some(b)) if a != b => return Err("a node is in both, with different results"),
+            (None, Some(_)) => *mine = other,
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+fn join<T: PartialEq>(mine: &mut Vec<T>, others: Vec<T>) {
+    for other in others {
+        if !mine.contains(&other) {
+            mine.push(other);
+        }
+    }
+}
+
+#[cfg(test)]
+pub mod samples {
+    use super::*;
+    use actuator::*;
+    use std::path::Path;
+
+    /// A FREE with two angles, the second with a limit point; made of numbers, not computed.
+    pub fn free_map() -> FreeMap {
+        let text = include_str!("../../data/actuators/buffinton-2020.toml").to_owned();
+        let rig = Rig::parse(Path::new("buffinton-2020.toml"), text.clone()).unwrap();
+        let free = rig.frees()[0];
+        let state = |pressure: f64, stretch: f64| FreeState {
+            pressure,
+            axial_stretch: stretch,
+            expansion: 1.0 + 1e-6 * pressure,
+            twist_per_length: -30.0 * 1e-5 * pressure,
+            residual: 1e-12,
+        };
+        let open = FreePath {
+            states: vec![state(0.0, 1.0), state(2e4, 1.02), state(4e4, 1.06)],
+            end: PathEnd::Range,
+        };
+        let limited = FreePath {
+            states: vec![state(0.0, 1.0), state(2e4, 0.99), state(3e4, 0.98)],
+            end: PathEnd::LimitPoint,
+        };
+        FreeMap {
+            free,
+            winding_angles: vec![20f64.to_radians(), 70f64.to_radians()],
+            shear_moduli: vec![0.393e6],
+            pressures: vec![0.0, 2e4, 4e4],
+            paths: vec![Some(open), Some(limited)],
+            checks: vec![],
+            settings: "none".into(),
+            source: ("sample".into(), text),
+        }
+    }
+
+    /// A module of one FREE with three pressures, the last one not computed.
+    pub fn module_map() -> ModuleMap {
+        let free = free_map().free;
+        let state = |twist: f64| ModuleState {
+            chart: PoseChart { twist, bend: [0.0; 2], position: [0.0, 0.0, 0.13] },
+            slopes: vec![],
+            negative_pivots: u32::from(twist > 0.0),
+            residual: 1e-12,
+        };
+        ModuleMap {
+            module: Module {
+                frees: vec![PlacedFree { free, position: [0.0; 2] }],
+                tip: Tip { plate_mass: 0.0, payload: 0.0, free_dof: [true; 6] },
+                base: Base { gravity: [0.0; 3], free_mass: 0.0 },
+            },
+            limits: Limits { pressure_max: vec![5e4], pressure_rate: 2e5, idle_pressure: 0.0 },
+            parameters: vec![],
+            pressures: vec![vec![0.0, 2e4, 4e4]],
+            states: vec![Some(state(0.0)), Some(state(std::f64::consts::PI)), None],
+            checks: vec![],
+            limit_pressures: vec![None],
+            settings: "none".into(),
+            source: ("sample".into(), String::new()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_a_sweep_join_and_strangers_do_not() {
+        let whole = samples::free_map();
+        let part = |keep: usize| {
+            let mut part = whole.clone();
+            part.paths.iter_mut().enumerate().filter(|(i, _)| *i != keep).for_each(|(_, path)| *path = None);
+            MapFile::Free(part)
+        };
+        let mut joined = part(0);
+        assert_eq!(joined.computed(), (1, 2));
+        assert_eq!(joined.difference(&part(1)), None);
+        joined.absorb(part(1)).unwrap();
+        assert_eq!(joined, MapFile::Free(whole.clone()));
+
+        let mut softer = whole.clone();
+        softer.shear_moduli[0] *= 0.5;
+        assert_eq!(joined.difference(&MapFile::Free(softer)), Some("the shear moduli"));
+        assert!(joined.difference(&MapFile::Module(samples::module_map())).unwrap().contains("kinds"));
+        let mut other = whole;
+        if let Some(path) = &mut other.paths[0] {
+            path.states[1].expansion += 1e-3;
+        }
+        assert!(joined.absorb(MapFile::Free(other)).unwrap_err().contains("different results"));
+    }
+}

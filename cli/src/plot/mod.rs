@@ -1,0 +1,11 @@
+//! Charts: lines and points over two axes, as SVG (reports, papers) and PNG (everything else).
+
+mod chart;
+mod font;
+mod mark;
+mod scale;
+mod thin;
+
+pub use chart::Chart;
+pub use mark::{Mark, Series};
+pub use thin::thin;

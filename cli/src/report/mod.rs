@@ -1,0 +1,7 @@
+//! Reports: one HTML file that needs nothing else, readable on screen (light and dark) and on paper.
+
+mod page;
+
+#[cfg(test)]
+pub use page::check_tags;
+pub use page::{Page, escape};
