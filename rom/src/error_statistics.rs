@@ -25,6 +25,11 @@ impl ErrorStatistics {
         let rank = (count * 95).div_ceil(100);
         ErrorStatistics { count, rms, p95: sizes[rank - 1], worst }
     }
+
+    /// Whether all numbers can be statistics.
+    pub(crate) fn is_sound(&self) -> bool {
+        [self.rms, self.p95, self.worst].iter().all(|value| value.is_finite() && *value >= 0.0)
+    }
 }
 
 #[cfg(test)]

@@ -287,6 +287,18 @@ impl ModuleModel {
             self.facts.buckled.binary_search(&(node as u64)).is_ok()
         })
     }
+
+    pub(crate) fn facts(&self) -> &ModuleFacts {
+        &self.facts
+    }
+
+    pub(crate) fn chart(&self) -> &TensorSpline<6> {
+        &self.chart
+    }
+
+    pub(crate) fn slopes(&self) -> &[Vec<[f64; 6]>] {
+        &self.slopes
+    }
 }
 
 impl PoseModel for ModuleModel {

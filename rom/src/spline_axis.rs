@@ -33,10 +33,14 @@ impl SplineAxis {
         let width = nodes[nodes.len() - 1] - lower;
         let scaled: Vec<f64> =
             nodes.iter().map(|node| if nodes.len() == 1 { 0.0 } else { (node - lower) / width }).collect();
-        // Nodes so close that they fall together once scaled would make the interpolation singular.
-        let rising = |pair: &[f64]| pair[1] - pair[0] > 1e-12;
-        if let Some(index) = scaled.windows(2).position(|pair| !rising(pair)) {
-            return Err(SplineError::NotRising { axis, before: nodes[index], after: nodes[index + 1] });
+        // Nodes so close that they fall together once scaled would make the interpolation singular; a falling axis would look
+        // risen once scaled.
+        for index in 1..nodes.len() {
+            let (before, after) = (nodes[index - 1], nodes[index]);
+            let rises = after > before && scaled[index] - scaled[index - 1] > 1e-12;
+            if !rises {
+                return Err(SplineError::NotRising { axis, before, after });
+            }
         }
         let degree = (nodes.len() - 1).min(DEGREE);
         let interior = if degree == DEGREE { &scaled[2..scaled.len() - 2] } else { &[] };
@@ -168,6 +172,7 @@ mod tests {
         assert!(message(&[]).contains("axis 3 has no nodes"));
         assert!(message(&[0.0, 1.0, 1.0]).contains("1 is followed by 1"));
         assert!(message(&[0.0, 2.0, 1.0]).contains("2 is followed by 1"));
+        assert!(message(&[2.0, 1.0, 0.0]).contains("2 is followed by 1"));
         assert!(message(&[0.0, f64::NAN]).contains("node 1"));
         assert!(message(&[0.0, f64::INFINITY]).contains("node 1"));
         // A range that overflows leaves no room between the scaled nodes.

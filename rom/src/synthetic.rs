@@ -1,8 +1,9 @@
 //! Analytic maps of the kind the finite elements make, for the tests of fits and files.
 
 use actuator::{
-    Base, Elastomer, Fibre, FibreLaw, Free, Handedness, Limits, MapParameter, Module, ModuleCheck, ModuleMap,
-    ModuleState, OgdenForm, PlacedFree, PoseChart, Tip, Tube, Winding,
+    Base, Elastomer, Fibre, FibreLaw, Free, FreeMap, FreePath, FreeState, Handedness, Limits, MapParameter,
+    Module, ModuleCheck, ModuleMap, ModuleState, OgdenForm, PathEnd, PlacedFree, PoseChart, Tip, Tube,
+    Winding,
 };
 
 /// A FREE of 170 mm.
@@ -86,4 +87,68 @@ pub fn module_map(pressures: Vec<Vec<f64>>, checks: usize) -> ModuleMap {
         })
         .collect();
     map
+}
+/// Limit pressure (Pa) of the synthetic FREE: falls with the angle, nearly in proportion to the modulus.
+pub fn limit_pressure(angle: f64, modulus: f64) -> f64 {
+    modulus * (0.11 + 0.25 * (-2.0 * angle).exp()) * (1.0 - 0.02 * modulus / 0.393e6)
+}
+
+/// The synthetic FREE's state: smooth in s, with pressure = limit (1 - (1 - s)^2), and smooth in angle and modulus.
+pub fn free_state(angle: f64, modulus: f64, s: f64) -> FreeState {
+    let soft = 1.0 - 0.03 * modulus / 0.393e6;
+    FreeState {
+        pressure: limit_pressure(angle, modulus) * (1.0 - (1.0 - s) * (1.0 - s)),
+        axial_stretch: 1.0 + soft * (0.3 * s * (2.2 * angle).cos() + 0.2 * s * s),
+        expansion: 1.0 + soft * (0.35 * s * angle.sin() + 0.4 * s * s * s),
+        twist_per_length: -soft * (90.0 * s * (2.0 * angle).sin() + 30.0 * s * s * angle.cos()),
+        residual: 1e-10,
+    }
+}
+
+/// A path of `steps` states up to its limit point, or below `upper` (Pa).
+pub fn free_path(angle: f64, modulus: f64, steps: usize, upper: Option<f64>) -> FreePath {
+    let limit = limit_pressure(angle, modulus);
+    let end = match upper {
+        Some(upper) if upper < limit => 1.0 - (1.0 - upper / limit).sqrt(),
+        _ => 1.0,
+    };
+    // Uneven steps, as a continuation takes them.
+    let place = |i: usize| {
+        let u = i as f64 / (steps - 1) as f64;
+        end * (u + 0.1 * (1.0 - u) * u)
+    };
+    FreePath {
+        states: (0..steps).map(|i| free_state(angle, modulus, place(i))).collect(),
+        end: if end < 1.0 { PathEnd::Range } else { PathEnd::LimitPoint },
+    }
+}
+
+/// A complete map with a check path in the middle of every cell.
+pub fn free_map(
+    winding_angles: Vec<f64>,
+    shear_moduli: Vec<f64>,
+    steps: usize,
+    upper: Option<f64>,
+) -> FreeMap {
+    let between = |axis: &[f64]| match axis {
+        [single] => vec![*single],
+        _ => axis.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect(),
+    };
+    let grid = |angles: &[f64], moduli: &[f64]| -> Vec<(f64, f64)> {
+        angles.iter().flat_map(|angle| moduli.iter().map(|modulus| (*angle, *modulus))).collect()
+    };
+    let path = |angle, modulus| free_path(angle, modulus, steps, upper);
+    FreeMap {
+        free: free(),
+        pressures: (0..8).map(|i| f64::from(i) * 1e4).collect(),
+        paths: grid(&winding_angles, &shear_moduli).into_iter().map(|(a, m)| Some(path(a, m))).collect(),
+        checks: grid(&between(&winding_angles), &between(&shear_moduli))
+            .into_iter()
+            .map(|(angle, modulus)| (free().at(angle, modulus), path(angle, modulus)))
+            .collect(),
+        winding_angles,
+        shear_moduli,
+        settings: "analytic".into(),
+        source: ("synthetic".into(), "kind = \"free\"\n".into()),
+    }
 }
