@@ -81,6 +81,7 @@ pub(crate) fn minimise<M: PoseModel + ?Sized>(
     iterations: &mut usize,
 ) -> Result<(), String> {
     let n = problem.count();
+    hold_exactly(problem, point)?;
     for _ in 0..60 {
         // 1e-10 of the error: the nearest pose is then known to far below a nanometre.
         if problem.stationarity(point) <= 1e-10 || point.error.norm() <= MET {
@@ -107,6 +108,25 @@ pub(crate) fn minimise<M: PoseModel + ?Sized>(
         }
         if !line_search(problem, point, &step, &gradient)? {
             return Ok(());
+        }
+    }
+    Ok(())
+}
+
+/// Puts pressures that the gradient pushes against a bound less than a millionth of the box away on the bound: an interior-point
+/// method stops just short of it.
+fn hold_exactly<M: PoseModel + ?Sized>(problem: &mut Problem<M>, point: &mut Point) -> Result<(), String> {
+    let gradient = point.gradient();
+    let step = DVector::from_fn(problem.count(), |free, _| {
+        let (below, above) = problem.room(&point.pressures, free);
+        let to_bound = if gradient[free] > 0.0 { below } else { above };
+        if gradient[free] != 0.0 && to_bound.abs() < 1e-6 { to_bound } else { 0.0 }
+    });
+    if step.iter().any(|step| *step != 0.0) {
+        let trial = problem.evaluate(problem.moved(&point.pressures, &step, 1.0))?;
+        // Downhill to first order; the tolerance is for rounding.
+        if trial.cost() <= point.cost() * (1.0 + 1e-13) {
+            *point = trial;
         }
     }
     Ok(())

@@ -147,10 +147,7 @@ mod tests {
     #[test]
     fn both_forms_are_read() {
         let plain = read("t_s,x_mm,y_mm,z_mm\n0,1,2,170\n 0.5 , -1, 2e0, 171\n").unwrap();
-        assert_eq!(
-            plain[1],
-            Waypoint { time: 0.5, position: [-MM, 2.0 * MM, 171.0 * MM], rotation: None }
-        );
+        assert_eq!(plain[1], Waypoint { time: 0.5, position: [-MM, 2.0 * MM, 171.0 * MM], rotation: None });
         let turned = read("\u{feff}qw,qx,qy,qz,t_s,x_mm,y_mm,z_mm\n1,0,0,0,0,1,2,3\n,,,,1,1,2,3\n").unwrap();
         assert_eq!(turned[0].rotation, Some([1.0, 0.0, 0.0, 0.0]));
         assert_eq!(turned[1].rotation, None);

@@ -94,8 +94,7 @@ impl PoseModel for AnalyticModule {
         let (s, c, ds, dc) = arc(q);
         into.chart =
             PoseChart { twist, bend, position: [length * c * bend[1], -length * c * bend[0], length * s] };
-        for free in 0..n {
-            let [dtwist, dbx, dby, dlength] = slopes[free];
+        for (free, [dtwist, dbx, dby, dlength]) in slopes.into_iter().enumerate().take(n) {
             let dq = 2.0 * (bend[0] * dbx + bend[1] * dby);
             let per_pascal = [
                 dtwist,
