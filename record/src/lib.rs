@@ -1,23 +1,36 @@
 //! Recordings of FREE actuators: MCAP (ROS 2 profile) and CSV, reading, checking, resampling.
 //!
-//! A [`Recording`] is what came out of one run of a rig. It is read from CSV by [`read_csv`], as the rig's table
-//! `[recordings]` says ([`Layout`]). What is irregular about it is listed in [`Findings`] and never mended silently.
+//! A [`Recording`] is what came out of one run of a rig. It is read from CSV by [`read_csv`] and from MCAP by [`read_mcap`], as
+//! the rig's table `[recordings]` says ([`Layout`]). What is irregular about it is listed in [`Findings`] and never mended
+//! silently. [`write_mcap`] writes one whole; a [`LogWriter`] grows a log while a rig runs.
 
 mod csv_file;
 mod error;
 mod examine;
 mod findings;
 mod layout;
+mod log_reader;
+mod log_recording;
+mod log_writer;
+mod message;
 mod quantity;
+mod raw_log;
 mod recording;
+mod solve_record;
+mod storage;
 
 pub use csv_file::{parse_csv, read_csv, write_csv};
 pub use error::RecordError;
 pub use examine::examine;
 pub use findings::{Finding, FindingKind, Findings};
 pub use layout::{Layout, PoseOrigin, PressureReference};
+pub use log_reader::{Log, TimedPose, read_mcap};
+pub use log_recording::write_mcap;
+pub use log_writer::{FreeSample, LogHeader, LogWriter, Shape, Strand, TipTopic};
 pub use quantity::Quantity;
 pub use recording::{Channel, Motion, Recording};
+pub use solve_record::SolveRecord;
+pub use storage::{Rounding, Storage};
 
 /// A module of `frees` FREEs, 175 mm long, with the given table `[recordings]`.
 #[cfg(test)]
