@@ -1,6 +1,7 @@
 //! Finite elements of FREE actuators: materials, section, rod module, continuation.
 
 mod closed_form;
+mod free_map;
 mod jet;
 pub mod material;
 mod run;
@@ -8,6 +9,7 @@ mod section;
 mod section_law;
 
 pub use closed_form::{ClosedFormError, ThickTube};
+pub use free_map::{FailedPath, FreeSweep, FreeSweepError, FreeSweepReport};
 pub use run::{Run, Shard};
 pub use section::{SectionError, SectionMesh, SectionSolver, Whereabouts};
 pub use section_law::{SectionLaw, SectionResponse};

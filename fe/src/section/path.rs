@@ -61,13 +61,23 @@ struct Walker<'a> {
 }
 
 impl Walker<'_> {
-    fn solve(&mut self, mut start: State, volume: f64) -> Result<(Station, Converged), Failed> {
-        let given =
-            [Given::Conjugate(self.loads[0]), Given::Conjugate(self.loads[1]), Given::Conjugate(volume)];
-        let converged = self.newton.solve(self.problem, &mut start, &given)?;
+    /// The state without pressure, from `start`.
+    fn unpressurised(&mut self, start: State) -> Result<Station, Failed> {
+        self.solve_given(start, Given::Value(0.0)).map(|(station, _)| station)
+    }
+
+    /// The state of an enclosed volume, from `start`.
+    fn solve(&mut self, start: State, volume: f64) -> Result<(Station, Converged), Failed> {
+        self.solve_given(start, Given::Conjugate(volume))
+    }
+
+    fn solve_given(&mut self, mut state: State, pressure: Given) -> Result<(Station, Converged), Failed> {
+        let given = [Given::Conjugate(self.loads[0]), Given::Conjugate(self.loads[1]), pressure];
+        let converged = self.newton.solve(self.problem, &mut state, &given)?;
+        let volume = self.newton.system.volume;
         let mut tangent = Step::new(self.problem);
         self.newton.volume_tangent(self.problem, &mut tangent)?;
-        Ok((Station { volume, state: start, tangent, residual: converged.residual }, converged))
+        Ok((Station { volume, state, tangent, residual: converged.residual }, converged))
     }
 
     /// The start for a volume between or near two stations.
@@ -171,8 +181,7 @@ impl Path {
         };
         let bore = problem.grid.radii[0];
         let rest_volume = std::f64::consts::PI * bore * bore;
-        let (first, _) =
-            walker.solve(rest.clone(), rest_volume).map_err(|failed| error(failed, rest, 0.0))?;
+        let first = walker.unpressurised(rest.clone()).map_err(|failed| error(failed, rest, 0.0))?;
         let mut stations = vec![first];
         let mut share = FIRST_STEP;
         loop {

@@ -10,7 +10,7 @@ use crate::SectionResponse;
 use actuator::{Free, FreePath};
 
 /// Shortest share of the way to a wanted state that is tried.
-const SHORTEST_SHARE: f64 = 1.0 / 1024.0;
+const SHORTEST_SHARE: f64 = 1.0 / 64.0;
 
 /// The cross-section of a FREE far from its caps, solved by finite elements on one fibre pitch.
 ///
