@@ -57,6 +57,9 @@ fn reference_pressure(path: &FreePath) -> Result<f64, &'static str> {
     if !finite {
         return Err("has a state that is not a finite number");
     }
+    if path.states.iter().any(|state| state.axial_stretch <= 0.0) {
+        return Err("has a stretch that is not positive");
+    }
     if first.pressure != 0.0 {
         return Err("does not begin at zero pressure");
     }
@@ -72,7 +75,7 @@ fn reference_pressure(path: &FreePath) -> Result<f64, &'static str> {
     })
 }
 
-/// Samples a path at the nodes of s, through a spline on the path's own states.
+/// Samples 1/stretch, expansion and twist of a path at the nodes of s, through a spline on the path's own states.
 fn resample(path: &FreePath, reference: f64, nodes: &[f64]) -> Result<Vec<[f64; 3]>, SplineError> {
     let mut places: Vec<f64> = Vec::with_capacity(path.states.len());
     let mut table: Vec<[f64; 3]> = Vec::with_capacity(path.states.len());
@@ -87,7 +90,7 @@ fn resample(path: &FreePath, reference: f64, nodes: &[f64]) -> Result<Vec<[f64; 
             table.pop();
         }
         places.push(s);
-        table.push([state.axial_stretch, state.expansion, state.twist_per_length]);
+        table.push([1.0 / state.axial_stretch, state.expansion, state.twist_per_length]);
     }
     let spline = TensorSpline::interpolate(vec![places], table)?;
     let end = spline.grid().axes()[0].range().1;
@@ -106,6 +109,11 @@ impl FreeModel {
     /// Fits the map; its `checks` are not fitted but judged on, see [`FreeModel::errors`]. One angle or one modulus is enough: that
     /// value is then the domain.
     pub fn fit(map: &FreeMap) -> Result<Self, FreeFitError> {
+        for (axis, nodes) in [&map.winding_angles, &map.shear_moduli].into_iter().enumerate() {
+            if nodes.is_empty() {
+                return Err(SplineError::EmptyAxis { axis }.into());
+            }
+        }
         let points: Vec<(f64, f64)> = map
             .winding_angles
             .iter()
@@ -131,13 +139,19 @@ impl FreeModel {
         for ((angle, modulus), path) in points.iter().zip(map.paths.iter().flatten()) {
             let bad = |problem| FreeFitError::BadPath { place: in_words(*angle, *modulus), problem };
             let reference = reference_pressure(path).map_err(bad)?;
-            references.push([reference / modulus]);
+            references.push([modulus / reference]);
             states.extend(resample(path, reference, &nodes)?);
             limited.push(path.end == PathEnd::LimitPoint);
         }
         let (angles, moduli) = (map.winding_angles.clone(), map.shear_moduli.clone());
-        let scaled_reference = TensorSpline::interpolate(vec![angles.clone(), moduli.clone()], references)?;
-        let states = TensorSpline::interpolate(vec![angles, moduli, nodes], states)?;
+        if let Some(angle) = angles.iter().find(|angle| **angle <= 0.0) {
+            let place = in_words(*angle, moduli[0]);
+            return Err(FreeFitError::BadPath { place, problem: "has a winding angle that is not positive" });
+        }
+        // See FreeModel for the coordinates.
+        let roots = angles.iter().map(|angle| angle.sqrt()).collect();
+        let scaled_reference = TensorSpline::interpolate(vec![angles, moduli.clone()], references)?;
+        let states = TensorSpline::interpolate(vec![roots, moduli, nodes], states)?;
         let facts = FreeFacts { free: map.free, limited, errors: FreeErrors::default() };
         let mut model = Self::assemble(facts, scaled_reference, states)?;
         model.set_errors(FreeErrors::of(&model, map));

@@ -63,14 +63,15 @@ pub(crate) struct FreeFacts {
 ///
 /// Near a limit point the deformation behaves as sqrt(p_limit - p), which no spline in p follows. The splines are therefore over
 /// s = 1 - sqrt(1 - p/p_reference), in which deformation is smooth through the fold; p_reference(angle, modulus) is the limit
-/// pressure, itself a spline of p_reference/modulus. Where a path met no limit point, p_reference = p_end/(1 - [`crate::LIMIT_MARGIN`]).
+/// pressure. Towards small angles limit pressure and stretch rise steeply; modulus/p_reference over the angle and 1/stretch over
+/// the angle's square root are nearly parabolas, so that is what the splines hold. Where a path met no limit point, p_reference = p_end/(1 - [`crate::LIMIT_MARGIN`]).
 /// The domain is 0 <= p <= (1 - [`crate::LIMIT_MARGIN`]) p_reference over the box of the map's angles and moduli.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FreeModel {
     facts: FreeFacts,
-    /// p_reference/modulus over (angle, modulus).
+    /// modulus/p_reference over (angle, modulus).
     scaled_reference: TensorSpline<1>,
-    /// Axial stretch, expansion, twist per length over (angle, modulus, s).
+    /// 1/(axial stretch), expansion, twist per length over (square root of the angle, modulus, s).
     states: TensorSpline<3>,
     /// Greatest p/p_reference of the domain: where the path coordinate ends.
     usable: f64,
@@ -98,8 +99,15 @@ impl FreeModel {
     ) -> Result<Self, FreeFitError> {
         let bad = |problem| Err(FreeFitError::Inconsistent { problem });
         let (of_reference, of_states) = (scaled_reference.grid().axes(), states.grid().axes());
-        if of_reference.len() != 2 || of_states.len() != 3 || of_reference != &of_states[..2] {
-            return bad("its splines are not over the same angles and moduli");
+        if of_reference.len() != 2 || of_states.len() != 3 || of_reference[1] != of_states[1] {
+            return bad("its splines are not over the same moduli");
+        }
+        if of_reference[0].range().0 <= 0.0 {
+            return bad("a winding angle is not positive");
+        }
+        if !of_reference[0].nodes().iter().map(|angle| angle.sqrt()).eq(of_states[0].nodes().iter().copied())
+        {
+            return bad("its splines are not over the same winding angles");
         }
         if facts.limited.len() != scaled_reference.grid().node_count() {
             return bad("it does not say of every path how it ends");
@@ -142,10 +150,19 @@ impl FreeModel {
         self.scaled_reference
             .evaluate(&point, &mut value, &mut gradient)
             .map_err(|_| OutsideFree::WindingAngle { angle, lower, upper })?;
-        // p = modulus g(angle, modulus)
-        let along_modulus =
-            if self.axes().1.degree() == 0 { 0.0 } else { value[0] + modulus * gradient[1][0] };
-        Ok(Reference { pressure: modulus * value[0], slopes: [modulus * gradient[0][0], along_modulus] })
+        let softness = value[0];
+        if softness <= 0.0 {
+            // No pressure then lies inside.
+            return Ok(Reference { pressure: 0.0, slopes: [0.0; 2] });
+        }
+        // p = modulus/g(angle, modulus): dp/dangle = -p g'/g, dp/dmodulus = p/modulus - p g'/g.
+        let pressure = modulus / softness;
+        let along_angle = -pressure * gradient[0][0] / softness;
+        let along_modulus = match self.axes().1.degree() {
+            0 => 0.0,
+            _ => pressure / modulus - pressure * gradient[1][0] / softness,
+        };
+        Ok(Reference { pressure, slopes: [along_angle, along_modulus] })
     }
 
     /// Deformation and derivatives at a pressure (Pa), winding angle from the hoop (rad) and shear modulus (Pa). Allocates nothing.
@@ -183,9 +200,19 @@ impl FreeModel {
         let along_reference = -q * along_pressure;
         let (mut value, mut gradient) = ([0.0; 3], [[0.0; 3]; 3]);
         self.states
-            .evaluate(&[angle, modulus, s], &mut value, &mut gradient)
+            .evaluate(&[angle.sqrt(), modulus, s], &mut value, &mut gradient)
             .map_err(|_| OutsideFree::Pressure { pressure, upper })?;
-        let [along_angle, along_modulus, along_s] = gradient;
+        // The spline holds 1/stretch: d(stretch) = -stretch^2 d(1/stretch).
+        let stretch = 1.0 / value[0];
+        if !(stretch.is_finite() && stretch > 0.0) {
+            return Err(OutsideFree::Pressure { pressure, upper });
+        }
+        value[0] = stretch;
+        for row in &mut gradient {
+            row[0] *= -stretch * stretch;
+        }
+        let [along_root_angle, along_modulus, along_s] = gradient;
+        let along_angle = along_root_angle.map(|slope| 0.5 * slope / angle.sqrt());
         let mut jacobian = [[0.0; 3]; 3];
         for output in 0..3 {
             jacobian[0][output] = along_s[output] * along_pressure;

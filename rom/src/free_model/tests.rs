@@ -214,6 +214,13 @@ fn paths_that_cannot_be_are_named() {
     assert!(message(|paths| paths[0].as_mut().unwrap().states[4].pressure = 1.0).contains("fall"));
     assert!(message(|paths| paths[0].as_mut().unwrap().states[4].expansion = f64::NAN).contains("finite"));
     assert!(message(|paths| paths.truncate(5)).contains("6 nodes in all, but the table has 5"));
+    assert!(message(|paths| paths[0].as_mut().unwrap().states[4].axial_stretch = 0.0).contains("positive"));
+    let mut flat = good.clone();
+    flat.winding_angles[0] = 0.0;
+    assert!(FreeModel::fit(&flat).unwrap_err().to_string().contains("winding angle that is not positive"));
+    for empty in [free_map(vec![], vec![MU], 12, None), free_map(vec![0.5], vec![], 12, None)] {
+        assert!(FreeModel::fit(&empty).unwrap_err().to_string().contains("has no nodes"));
+    }
     let mut falling = good.clone();
     falling.winding_angles.reverse();
     assert!(FreeModel::fit(&falling).unwrap_err().to_string().contains("must rise"));

@@ -184,10 +184,7 @@ fn contents_that_cannot_be_are_told_in_words() {
             of_module(part!(Module, facts, |f: &mut ModuleFacts| f.errors.position.p95 = f64::NAN)),
             "statistic",
         ),
-        (
-            of_free(part!(Free, scaled_reference, |s: &mut Table| s.nodes[0][0] = 0.3)),
-            "same angles and moduli",
-        ),
+        (of_free(part!(Free, scaled_reference, |s: &mut Table| s.nodes[0][0] = 0.3)), "same winding angles"),
         (of_free(part!(Free, states, |s: &mut Table| s.nodes[2][0] = 0.01)), "path coordinate"),
         (
             of_free(part!(Free, states, |s: &mut Table| *s.nodes[2].last_mut().unwrap() = 1.0)),
