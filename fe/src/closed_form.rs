@@ -48,8 +48,8 @@ pub enum ClosedFormError {
     },
 }
 
-/// Points through the wall: the integrand is analytic, 16 give 13 digits at the walls in use.
-const POINTS: usize = 16;
+/// Points through the wall: the integrand is analytic, ten give 13 digits at the walls in use.
+const POINTS: usize = 10;
 /// Relative size of the last Newton step: the next one would be its square.
 const TOLERANCE: f64 = 1e-9;
 
@@ -242,6 +242,7 @@ impl ThickTube {
             return None;
         }
         let mut at = Unknowns::new(1.0 / axial_stretch, axial_stretch, twist_per_length * self.outer_radius);
+        let mut bracket = (0.0, f64::INFINITY);
         // The wall must not turn inside out, and Newton's step is bounded because a fibre that tightens stiffens it suddenly.
         for _ in 0..100 {
             let phi = self.enthalpy(pressure, &at);
@@ -253,8 +254,18 @@ impl ThickTube {
             if curvature <= 0.0 && slope < 0.0 {
                 return None;
             }
+            if slope < 0.0 {
+                bracket.0 = at[0]
+            } else {
+                bracket.1 = at[0]
+            }
             let step = if curvature > 0.0 { -slope / curvature } else { -slope.signum() };
-            let step = step.clamp(-0.05 * at[0], 0.05 * at[0]);
+            let mut step = step.clamp(-0.05 * at[0], 0.05 * at[0]);
+            // Across the radius where the fibres tighten Newton's method could go to and fro for ever.
+            let next = at[0] + step;
+            if !(next > bracket.0 && next < bracket.1) && step.abs() > TOLERANCE * at[0] {
+                step = 0.5 * (bracket.0 + bracket.1) - at[0];
+            }
             at[0] += step;
             if step.abs() < TOLERANCE * at[0] {
                 let phi = self.enthalpy(pressure, &at);

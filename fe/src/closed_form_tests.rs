@@ -164,7 +164,8 @@ fn young_modulus_is_three_times_mu_at_rest() {
 
 #[test]
 fn a_ballooning_section_has_no_response() {
-    let tube = ThickTube::bare(&specimen(80.0, 0.393e6, 644.0, 1.2));
+    let tube = ThickTube::new(&specimen(86.0, 0.393e6, 644.0, 1.2));
+    // Nearly axial fibres would hold it again at several times the radius: another branch, not an answer.
     assert!(tube.section(9e4, 1.0, 0.0).is_none());
     assert!(tube.respond(9e4, 1.0, 0.0).energy.is_nan());
     assert!(tube.section(f64::NAN, 1.0, 0.0).is_none());

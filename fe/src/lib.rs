@@ -4,12 +4,14 @@ mod closed_form;
 mod free_map;
 mod jet;
 pub mod material;
+mod rod;
 mod run;
 mod section;
 mod section_law;
 
 pub use closed_form::{ClosedFormError, ThickTube};
 pub use free_map::{FailedPath, FreeSweep, FreeSweepError, FreeSweepReport};
+pub use rod::{Configuration, Equilibrium, RodError, RodModule, RodSettings, TipLoad};
 pub use run::{Run, Shard};
 pub use section::{SectionError, SectionMesh, SectionSolver, Whereabouts};
 pub use section_law::{SectionLaw, SectionResponse};

@@ -19,4 +19,19 @@ pub struct SectionResponse {
 pub trait SectionLaw: Send + Sync {
     /// Response at gauge pressure (Pa), axial stretch and twist per reference length (rad/m).
     fn respond(&self, pressure: f64, axial_stretch: f64, twist_per_length: f64) -> SectionResponse;
+
+    /// Whether the law was made for this state. A law may answer a little beyond, so that Newton's method finds its way
+    /// back; a converged state that is not covered is refused.
+    fn covers(&self, pressure: f64, axial_stretch: f64, twist_per_length: f64) -> bool {
+        self.respond(pressure, axial_stretch, twist_per_length).energy.is_finite()
+    }
+
+    /// dN/dp (m^2) and dM/dp (m^3) at constant stretch and twist; by central differences unless a law knows better.
+    fn pressure_slopes(&self, pressure: f64, axial_stretch: f64, twist_per_length: f64) -> [f64; 2] {
+        // 10 Pa of the some 1e4 in use: truncation (1e-3)^2, rounding 1e-16/1e-3.
+        const STEP: f64 = 10.0;
+        let [above, below] =
+            [STEP, -STEP].map(|step| self.respond(pressure + step, axial_stretch, twist_per_length));
+        [(above.force - below.force) / (2.0 * STEP), (above.torque - below.torque) / (2.0 * STEP)]
+    }
 }

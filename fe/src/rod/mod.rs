@@ -1,0 +1,14 @@
+//! A module of FREEs as geometrically exact rods between two rigid plates.
+
+mod chain;
+mod element;
+mod equilibrium;
+mod module;
+mod motion;
+mod pivots;
+mod plate;
+#[cfg(test)]
+mod tests;
+
+pub use equilibrium::{Configuration, Equilibrium, RodError};
+pub use module::{RodModule, RodSettings, TipLoad};
