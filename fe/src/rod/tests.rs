@@ -407,3 +407,16 @@ fn a_wrong_question_is_refused_with_numbers() {
     let settings = RodSettings { bending_stiffness_scale: -1.0, ..RodSettings::default() };
     assert!(RodModule::new(&module, Vec::new(), settings).is_err());
 }
+
+#[test]
+fn a_fully_clamped_rod_buckles_inside() {
+    // Clamped ends that do not slide sideways: 4 pi^2 EI/L^2, in both planes at once, and in the inner nodes alone.
+    let mut module = module(vec![at(free(30.0, Handedness::Right), 0.0, 0.0)]);
+    module.tip.free_dof = [false, false, true, false, false, true];
+    let euler = 4.0 * PI * PI * bending(&module.frees[0].free) / module.length().powi(2);
+    for (part, negative) in [(0.85, 0), (1.15, 2)] {
+        let tip_load = TipLoad { force: [0.0, 0.0, -part * euler], moment: [0.0; 3] };
+        let rods = linear(&module, STIFF, RodSettings { tip_load, elements: 16, ..RodSettings::default() });
+        assert_eq!(rods.rest().unwrap().state.negative_pivots, negative, "{part}");
+    }
+}
