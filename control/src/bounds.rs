@@ -1,4 +1,5 @@
 use actuator::Limits;
+use rom::{ModuleModel, PoseModel};
 use serde::{Deserialize, Serialize};
 
 /// Least and greatest pressure that a solve may use in each FREE.
@@ -8,7 +9,7 @@ pub struct Bounds {
     pub lower: Vec<f64>,
     /// Greatest pressures, Pa.
     pub upper: Vec<f64>,
-    /// Pressures at which each FREE gives way or the model ends, Pa: what `limit_margin` is measured to.
+    /// Limit pressure of each FREE, or the end of the model's domain where none is known, Pa: what `limit_margin` is measured to.
     pub limit: Vec<f64>,
 }
 
@@ -83,9 +84,15 @@ impl Bounds {
             }
             bounds.lower.push(lower);
             bounds.upper.push(upper);
-            bounds.limit.push(limit_pressure.map_or(greatest, |limit| limit.min(greatest)));
+            bounds.limit.push(limit_pressure.unwrap_or(greatest));
         }
         Ok(bounds)
+    }
+
+    /// Bounds of a fitted module under its own limits, `margin` (Pa) below its limit pressures; the model's domain keeps some
+    /// distance to them already.
+    pub fn of_model(model: &ModuleModel, margin: f64) -> Result<Self, BoundsError> {
+        Self::new(model.domain(), model.limits(), model.limit_pressures(), margin)
     }
 
     /// What is wrong with them for a model of this domain, in words.

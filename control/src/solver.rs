@@ -22,10 +22,11 @@ pub struct SolveInput {
     pub preference: Preference,
     /// Pressures of now, Pa: the first start, and what changes are counted from. Outside the bounds it is moved onto them.
     pub from: Option<Vec<f64>>,
-    /// Greatest change of each pressure from `from`, Pa; needs `from`. With it the search starts from there only.
+    /// Greatest change of each pressure from `from`, Pa; needs `from`. With it the search starts from there only; where that does
+    /// not reach the target but pressures farther away do, the answer is a step towards those.
     pub step_limit: Option<f64>,
     /// Starts taken from the table of the workspace; four times as many are tried before a target counts as unreachable.
-    /// Default 4. With 0, only `from` (or, without it, the middle of the bounds) is tried.
+    /// Default 4. With 0, only `from` (or, without it, the middle of the bounds) is tried, and nothing beyond one step.
     pub starts: usize,
     /// When the target counts as reached.
     pub tolerance: Tolerance,
@@ -114,7 +115,35 @@ impl<'m, M: PoseModel + ?Sized> Solver<'m, M> {
             }
         }
         let Some((point, ..)) = best else { return Err("there was no start to search from".into()) };
-        conclude(input, &problem, point, *iterations, tried)
+        let pressures = point.pressures.clone();
+        let local = conclude(input, &problem, point, *iterations, tried)?;
+        if local.status == Status::Reached || input.step_limit.is_none() || input.starts == 0 {
+            return Ok(local);
+        }
+        let (Some(goal), Some(from)) = (self.beyond_one_step(input, iterations)?, &input.from) else {
+            return Ok(local);
+        };
+        match towards(&goal, from, &pressures, &problem.lower, &problem.upper) {
+            None => Ok(local),
+            Some(pressures) => {
+                let point = problem.evaluate(pressures)?;
+                let mut solution = conclude(input, &problem, point, *iterations, tried)?;
+                solution.reason = format!("on the way to pressures that reach it: {}", solution.reason);
+                Ok(solution)
+            }
+        }
+    }
+
+    /// The pressures nearest to those of now that reach the target, where any do, however many steps away.
+    fn beyond_one_step(
+        &mut self,
+        input: &SolveInput,
+        iterations: &mut usize,
+    ) -> Result<Option<Vec<f64>>, String> {
+        let anywhere = SolveInput { step_limit: None, preference: Preference::LeastChange, ..input.clone() };
+        let solution = self.try_solve(&anywhere, iterations)?;
+        let reached = solution.status == Status::Reached;
+        Ok(solution.answer.filter(|_| reached).map(|answer| answer.pressures))
     }
 
     /// Pressures to start from, in the order they are tried.
@@ -174,6 +203,27 @@ impl<'m, M: PoseModel + ?Sized> Solver<'m, M> {
         let value = objective.value(&point.pressures, problem.scale);
         Ok((point, met, value))
     }
+}
+
+/// The step on the straight line from the pressures of now to `goal`, as far as the box allows; `None` where the step found by
+/// the search, to `found`, goes there too: where it brings the pressure farthest from its goal nearer by half of that.
+/// So a target is reached in twice the time its pressures need, and no local minimum on the way holds the search.
+fn towards(goal: &[f64], from: &[f64], found: &[f64], lower: &[f64], upper: &[f64]) -> Option<Vec<f64>> {
+    let left =
+        |pressures: &[f64]| pressures.iter().zip(goal).map(|(p, goal)| (p - goal).abs()).fold(0.0, f64::max);
+    let mut fraction = 1.0f64;
+    for free in 0..goal.len() {
+        let whole = goal[free] - from[free];
+        let room = if whole > 0.0 { upper[free] - from[free] } else { lower[free] - from[free] };
+        if whole != 0.0 {
+            fraction = fraction.min((room / whole).max(0.0));
+        }
+    }
+    let along =
+        |free: usize| (from[free] + fraction * (goal[free] - from[free])).clamp(lower[free], upper[free]);
+    let straight: Vec<f64> = (0..goal.len()).map(along).collect();
+    let (now, ours, theirs) = (left(from), left(&straight), left(found));
+    (now - theirs < 0.5 * (now - ours)).then_some(straight)
 }
 
 /// Meeting the target counts before everything, then the distance (unless both meet it), then the preference; differences in

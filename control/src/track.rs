@@ -39,8 +39,9 @@ pub enum TrackError {
 
 /// Solves target after target, each from the last answer and within a rate limit of it.
 ///
-/// The first target is sought over the whole workspace when there are no pressures to start from; the search then stays on
-/// that branch of solutions. Where the rate limit or a bound keeps the tip from its target, the tick says so
+/// The first target is sought over the whole workspace when there are no pressures to start from; then each answer is sought
+/// within one step of the last, and where none of these reaches the target but others do, the step goes towards those: a
+/// straight line of targets may lead from one branch of solutions to another. Where the rate limit or a bound keeps the tip from its target, the tick says so
 /// (`p1_rate_up`, `p2_max` in its active bounds) and the next goes on from there.
 pub struct Tracker<'m, M: PoseModel + ?Sized> {
     solver: Solver<'m, M>,
@@ -76,7 +77,6 @@ impl<'m, M: PoseModel + ?Sized> Tracker<'m, M> {
         input.from = self.last.clone();
         if self.last.is_some() {
             input.step_limit = Some(self.pressure_rate * time_step);
-            input.starts = 0;
         } else if self.preference == Preference::LeastChange {
             // There is nothing yet to change from.
             input.preference = Preference::LeastPressure;

@@ -150,3 +150,28 @@ fn tracking_stops_when_told() {
     });
     assert_eq!(count.unwrap(), 3);
 }
+
+#[test]
+fn a_start_where_no_pressure_moves_the_tip_does_not_hold_the_search() {
+    // At rest this module's Jacobian is zero: no step is better than none, and only the table shows the way.
+    let model = AnalyticModule::alternating().flat_at_rest();
+    let target = control::Target::at(chart_at(&model, &[9e3, 40e3, 20e3, 5e3]).to_pose().position.into());
+    let mut tracker = Tracker::new(
+        &model,
+        bounds(4, 0.0, 65e3),
+        Preference::LeastPressure,
+        Tolerance::default(),
+        100e3,
+        Some(vec![0.0; 4]),
+    )
+    .unwrap();
+    let first = tracker.tick(0.0, target.clone(), 0.01).unwrap();
+    assert!(first.solution.reason.contains("on the way"), "{}", first.solution.reason);
+    assert_eq!(first.command.iter().fold(0.0, |most: f64, p| most.max(*p)), 1e3);
+    // The nearest pressures that reach it are at most 65 kPa away: twice the 65 steps of 1 kPa suffice.
+    let reached = (1..130).any(|tick| {
+        let tick = tracker.tick(0.01 * tick as f64, target.clone(), 0.01).unwrap();
+        tick.solution.status == Status::Reached
+    });
+    assert!(reached);
+}
