@@ -40,6 +40,11 @@ impl Failure {
         move |source| Failure::new(Exit::File, FileError { path: path.display().to_string(), source })
     }
 
+    /// The same error, said of a file that it does not name itself.
+    pub fn about(self, path: &Path) -> Self {
+        Failure { exit: self.exit, error: format!("{}: {}", path.display(), self.paragraph()).into() }
+    }
+
     /// The error and its causes, as one paragraph.
     pub fn paragraph(&self) -> String {
         let mut text = self.error.to_string();
@@ -71,6 +76,12 @@ impl From<actuator::DescriptionError> for Failure {
 
 impl From<actuator::artefact::ArtefactError> for Failure {
     fn from(error: actuator::artefact::ArtefactError) -> Self {
+        Failure::file(error)
+    }
+}
+
+impl From<rom::ModelError> for Failure {
+    fn from(error: rom::ModelError) -> Self {
         Failure::file(error)
     }
 }

@@ -1,15 +1,24 @@
 //! From the drawing of a FREE actuator to its controller: the binary `freeact`.
 
 mod command;
+mod content;
 mod exit;
 mod failure;
+mod goal;
 mod interrupt;
 mod map_csv;
 mod map_file;
 mod output;
 mod plot;
+mod pressures_csv;
 mod progress;
+mod recordings;
 mod report;
+mod run_statistics;
+mod shape;
+mod solution;
+mod solve_log;
+mod sweep;
 mod table;
 mod values;
 

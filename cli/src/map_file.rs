@@ -25,6 +25,16 @@ impl MapFile {
         Ok(artefact::write(path, artefact::MAP, self)?)
     }
 
+    /// The map of a FREE, which it must be.
+    pub fn into_free(self) -> Result<FreeMap, Failure> {
+        match self {
+            MapFile::Free(map) => Ok(map),
+            MapFile::Module(_) => {
+                Err(Failure::file("this is the map of a module, where that of a FREE is needed"))
+            }
+        }
+    }
+
     /// Name and text of the description it was made from.
     pub fn source(&self) -> &(String, String) {
         match self {
@@ -74,9 +84,21 @@ impl MapFile {
         }
     }
 
+    /// Puts the checks in an order of their own, so that the parts of a sweep join to the map that one run makes.
+    pub fn sort_checks(&mut self) {
+        match self {
+            MapFile::Free(map) => map.checks.sort_by(|(a, _), (b, _)| {
+                let at =
+                    |free: &actuator::Free| [free.winding.angle_from_hoop(), free.elastomer.shear_modulus()];
+                in_order(&at(a), &at(b))
+            }),
+            MapFile::Module(map) => map.checks.sort_by(|a, b| in_order(&a.pressures, &b.pressures)),
+        }
+    }
+
     /// Takes over what the other has computed and this one has not. `Err` where both have a node and disagree on it.
     pub fn absorb(&mut self, other: MapFile) -> Result<(), &'static str> {
-        match (self, other) {
+        match (&mut *self, other) {
             (MapFile::Free(mine), MapFile::Free(other)) => {
                 fill(&mut mine.paths, other.paths)?;
                 join(&mut mine.checks, other.checks);
@@ -88,8 +110,14 @@ impl MapFile {
             }
             _ => return Err("the kinds differ"),
         }
+        self.sort_checks();
         Ok(())
     }
+}
+
+fn in_order(a: &[f64], b: &[f64]) -> std::cmp::Ordering {
+    let differing = a.iter().zip(b).map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne());
+    differing.unwrap_or(std::cmp::Ordering::Equal)
 }
 
 fn fill<T: PartialEq>(mine: &mut [Option<T>], others: Vec<Option<T>>) -> Result<(), &'static str> {
@@ -147,6 +175,41 @@ pub mod samples {
             settings: "none".into(),
             source: ("sample".into(), text),
         }
+    }
+
+    /// The 30 degree module of the paper with poses from a formula, smooth enough to fit; `softness` scales them.
+    pub fn smooth_module_map(softness: f64) -> ModuleMap {
+        let text = include_str!("../../data/modules/buffinton-2020-30lr.toml").to_owned();
+        let rig = Rig::parse(Path::new("buffinton-2020-30lr.toml"), text.clone()).unwrap();
+        let Description::Module(module) = rig.description else { panic!("a module") };
+        let axis: Vec<f64> = (0..4).map(|i| f64::from(i) * 50e3 / 3.0).collect();
+        let pressures = vec![axis; module.frees.len()];
+        let mut map = ModuleMap {
+            parameters: vec![],
+            states: vec![],
+            checks: vec![],
+            limit_pressures: vec![None; module.frees.len()],
+            settings: "a formula".into(),
+            source: (rig.name, text),
+            limits: rig.limits,
+            module,
+            pressures,
+        };
+        let state = |pressures: Vec<f64>| {
+            let mut chart = PoseChart { position: [0.0, 0.0, 0.175], ..PoseChart::default() };
+            for (placed, pressure) in map.module.frees.iter().zip(&pressures) {
+                let q = softness * (pressure / 50e3 + 0.2 * (pressure / 50e3).powi(2));
+                chart.twist -= placed.free.winding.handedness.sign() * 0.8 * q;
+                chart.bend[0] += 20.0 * placed.position[1] * q;
+                chart.bend[1] -= 20.0 * placed.position[0] * q;
+                chart.position[0] -= 1.5 * placed.position[0] * q;
+                chart.position[1] -= 1.5 * placed.position[1] * q;
+                chart.position[2] += 0.003 * q;
+            }
+            ModuleState { chart, slopes: vec![], negative_pivots: 0, residual: 1e-12 }
+        };
+        map.states = (0..map.node_count()).map(|node| Some(state(map.node_pressures(node)))).collect();
+        map
     }
 
     /// A module of one FREE with three pressures, the last one not computed.

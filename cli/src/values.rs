@@ -50,11 +50,20 @@ impl Values {
     }
 }
 
+/// Exactly `N` numbers between commas.
+pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let numbers = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+    let count = numbers.len();
+    numbers
+        .try_into()
+        .map_err(|_| format!("{count} numbers where {N} are needed, between commas and without spaces"))
+}
+
 fn number(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err(format!(
-            "`{}` is not a number; write a list like 0.2,0.393,0.6 or a range like 10:80:10",
+            "`{}` is not a number; write numbers like 0.2,0.393,0.6 or a range like 10:80:10",
             text.trim()
         )),
     }
@@ -117,6 +126,13 @@ mod tests {
             let message = text.parse::<Values>().unwrap_err();
             assert!(message.contains(word), "{text}: {message}");
         }
+    }
+
+    #[test]
+    fn a_position_has_three_numbers() {
+        assert_eq!(numbers::<3>("5,-3,1.5e2").unwrap(), [5.0, -3.0, 150.0]);
+        assert!(numbers::<3>("0,175").unwrap_err().contains("2 numbers where 3"));
+        assert!(numbers::<3>("nan,0,175").unwrap_err().contains("not a number"));
     }
 
     #[test]

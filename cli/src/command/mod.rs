@@ -1,23 +1,44 @@
 //! The commands, one file each.
 
+mod fit;
+mod import;
 mod inspect;
+mod map;
 mod merge;
+mod predict;
+mod replay;
+mod solve;
+mod track;
 
 use crate::failure::Outcome;
 
 /// What freeact can do.
 #[derive(clap::Subcommand)]
 pub enum Command {
+    Map(map::Map),
     Merge(merge::Merge),
     Inspect(inspect::Inspect),
+    Fit(fit::Fit),
+    Predict(predict::Predict),
+    Solve(solve::Solve),
+    Track(track::Track),
+    Replay(replay::Replay),
+    Import(import::Import),
 }
 
 impl Command {
     /// Runs the command; `json` asks for results as JSON.
     pub fn run(self, json: bool) -> Outcome {
         match self {
+            Command::Map(map) => map.run(json),
             Command::Merge(merge) => merge.run(json),
             Command::Inspect(inspect) => inspect.run(json),
+            Command::Fit(fit) => fit.run(json),
+            Command::Predict(predict) => predict.run(json),
+            Command::Solve(solve) => solve.run(json),
+            Command::Track(track) => track.run(json),
+            Command::Replay(replay) => replay.run(json),
+            Command::Import(import) => import.run(json),
         }
     }
 }

@@ -2,6 +2,6 @@
 
 mod page;
 
+pub use page::Page;
 #[cfg(test)]
 pub use page::check_tags;
-pub use page::{Page, escape};

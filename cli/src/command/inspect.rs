@@ -1,13 +1,9 @@
-mod description;
-mod map;
-
 use crate::{
+    content,
     failure::{Failure, Outcome},
-    map_file::MapFile,
     output,
 };
-use actuator::{Rig, artefact};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Tell what is in a map, model, recording or description
 ///
@@ -22,6 +18,10 @@ pub struct Inspect {
     #[arg(value_name = "FILE")]
     file: PathBuf,
 
+    /// The rig of a CSV recording (default: rig.toml beside it)
+    #[arg(long, value_name = "RIG.toml")]
+    rig: Option<PathBuf>,
+
     /// Print the content as CSV: one row a state or sample
     #[arg(long)]
     csv: bool,
@@ -35,21 +35,9 @@ pub struct Inspect {
     plot: Option<PathBuf>,
 }
 
-/// What a kind of file has to show.
-trait Content {
-    /// The table for people.
-    fn text(&self, path: &Path) -> String;
-    /// The same for programs.
-    fn json(&self) -> serde_json::Value;
-    /// One row a state or sample, where that makes sense.
-    fn csv(&self) -> Option<String>;
-    /// Charts, with the stems of their files.
-    fn charts(&self) -> Vec<(String, crate::plot::Chart)>;
-}
-
 impl Inspect {
     pub fn run(self, json: bool) -> Outcome {
-        let content = open(&self.file)?;
+        let content = content::open(&self.file, self.rig.as_deref())?;
         if let Some(directory) = &self.plot {
             let charts = content.charts();
             if charts.is_empty() {
@@ -78,29 +66,4 @@ impl Inspect {
         output::write(&text, self.out.as_deref())?;
         Ok(crate::exit::Exit::Done)
     }
-}
-
-/// Opens a file by what is in it.
-fn open(path: &Path) -> Result<Box<dyn Content>, Failure> {
-    let bytes = std::fs::read(path).map_err(Failure::at(path))?;
-    if bytes.starts_with(&artefact::MAP.magic) {
-        return Ok(match MapFile::read(path)? {
-            MapFile::Free(map) => Box::new(map),
-            MapFile::Module(map) => Box::new(map),
-        });
-    }
-    match String::from_utf8(bytes) {
-        Ok(text) if !looks_like_csv(&text) => Ok(Box::new(Rig::parse(path, text)?)),
-        _ => Err(Failure::file(format!(
-            "{}: neither a map nor a description (TOML); those are what `inspect` can show",
-            path.display()
-        ))),
-    }
-}
-
-/// Whether the first line that says something is a row of names between commas.
-fn looks_like_csv(text: &str) -> bool {
-    let first =
-        text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default();
-    first.contains(',') && !first.contains('=')
 }

@@ -12,14 +12,47 @@ use std::path::Path;
 /// Longest table of nodes worth printing.
 const MOST_ROWS: usize = 100;
 
+impl Content for MapFile {
+    fn text(&self, path: &Path) -> String {
+        self.content().text(path)
+    }
+
+    fn json(&self) -> serde_json::Value {
+        let (computed, nodes) = self.computed();
+        let mut value = self.content().json();
+        value["complete"] = json!(computed == nodes);
+        value["computed"] = json!(computed);
+        value["missing"] = json!(nodes - computed);
+        value["worst_residual"] = json!(self.worst_residual());
+        value
+    }
+
+    fn csv(&self) -> Option<String> {
+        self.content().csv()
+    }
+
+    fn charts(&self) -> Vec<(String, Chart)> {
+        self.content().charts()
+    }
+}
+
+impl MapFile {
+    fn content(&self) -> &dyn Content {
+        match self {
+            MapFile::Free(map) => map,
+            MapFile::Module(map) => map,
+        }
+    }
+}
+
 /// Stem of a file, label of an axis and what is drawn.
 type Quantity = (&'static str, &'static str, fn(&FreeState) -> f64);
 
 impl Content for FreeMap {
     fn text(&self, path: &Path) -> String {
-        let (computed, nodes) = MapFile::Free(self.clone()).computed();
+        let (computed, nodes) = (self.paths.iter().flatten().count(), self.paths.len());
         let states: usize = self.paths.iter().flatten().map(|path| path.states.len()).sum();
-        let mut text = format!(
+        let text = format!(
             "{}: map of the FREE \"{}\", {computed} of {nodes} nodes, {states} states, {} for checks\n  {}\n\n",
             path.display(),
             self.source.0,
@@ -75,8 +108,7 @@ impl Content for FreeMap {
             (0..self.winding_angles.len()).flat_map(|i| (0..self.shear_moduli.len()).map(move |j| (i, j)));
         json!({
             "content": "map", "kind": "free", "name": self.source.0, "settings": self.settings,
-            "complete": self.is_complete(), "checks": self.checks.len(),
-            "worst_residual": MapFile::Free(self.clone()).worst_residual(),
+            "checks": self.checks.len(),
             "nodes": axes.map(|(i, j)| node(i, j)).collect::<Vec<_>>(),
         })
     }
@@ -144,7 +176,7 @@ fn state_at(path: &FreePath, pressure: f64) -> Option<&FreeState> {
 
 impl Content for ModuleMap {
     fn text(&self, path: &Path) -> String {
-        let (computed, nodes) = MapFile::Module(self.clone()).computed();
+        let (computed, nodes) = (self.states.iter().flatten().count(), self.states.len());
         let mut text = format!(
             "{}: map of the module \"{}\", {computed} of {nodes} nodes, {} states for checks, {} buckled\n  {}\n\n",
             path.display(),
@@ -187,13 +219,10 @@ impl Content for ModuleMap {
     }
 
     fn json(&self) -> serde_json::Value {
-        let map = MapFile::Module(self.clone());
-        let (computed, nodes) = map.computed();
         let kpa = |axis: &Vec<f64>| axis.iter().map(|p| p / KPA).collect::<Vec<_>>();
         json!({
             "content": "map", "kind": "module", "name": self.source.0, "settings": self.settings,
-            "complete": self.is_complete(), "nodes": nodes, "computed": computed, "buckled": self.buckled(),
-            "checks": self.checks.len(), "worst_residual": map.worst_residual(),
+            "buckled": self.buckled(), "checks": self.checks.len(),
             "pressures_kpa": self.pressures.iter().map(kpa).collect::<Vec<_>>(),
             "limit_pressures_kpa": self.limit_pressures.iter().map(|p| p.map(|p| p / KPA)).collect::<Vec<_>>(),
         })

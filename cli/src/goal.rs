@@ -1,0 +1,65 @@
+//! What `solve` and `track` need of a model: the module, the pressures that may be used, the pose at given pressures.
+
+use crate::{failure::Failure, values::Values};
+use actuator::units::KPA;
+use control::Bounds;
+use rom::{Model, ModuleModel, PoseModel};
+use std::path::Path;
+
+/// The module of a model, ready to be steered.
+pub struct Steered<'m> {
+    module: &'m ModuleModel,
+}
+
+/// The module of a model; `path` is for messages.
+pub fn module_of<'m>(model: &'m Model, path: &Path) -> Result<Steered<'m>, Failure> {
+    match model.as_module() {
+        Some(module) => Ok(Steered { module }),
+        None => Err(Failure::usage(format!(
+            "{}: is the model of a single FREE, which has no tip pose to steer; give the model of a module",
+            path.display()
+        ))),
+    }
+}
+
+impl<'m> Steered<'m> {
+    /// Pressures to pose.
+    pub fn pose_model(&self) -> &'m ModuleModel {
+        self.module
+    }
+
+    /// The module.
+    pub fn module(&self) -> &'m actuator::Module {
+        self.module.module()
+    }
+
+    /// Reference length of the module, m.
+    pub fn length(&self) -> f64 {
+        self.module.module().length()
+    }
+
+    /// Greatest rate of a pressure, Pa/s.
+    pub fn pressure_rate(&self) -> f64 {
+        self.module.limits().pressure_rate
+    }
+
+    /// Pressures that may be used, with a margin (Pa) to limit pressures beyond the model's own.
+    pub fn bounds(&self, margin: f64) -> Result<Bounds, Failure> {
+        let (domain, limits) = (self.module.domain(), self.module.limits());
+        Bounds::new(domain, limits, self.module.limit_pressures(), margin)
+            .map_err(|error| Failure::refused(error.to_string()))
+    }
+}
+
+/// Pressures given on the command line, Pa: one per FREE.
+pub fn pressures(given: Option<&Values>, frees: usize, flag: &str) -> Result<Option<Vec<f64>>, Failure> {
+    match given {
+        None => Ok(None),
+        Some(values) if values.0.len() == frees => Ok(Some(values.0.iter().map(|kpa| kpa * KPA).collect())),
+        Some(values) => Err(Failure::usage(format!(
+            "{flag}: {} pressures for {frees} FREEs; give one each, as in {flag} {}",
+            values.0.len(),
+            vec!["10"; frees].join(",")
+        ))),
+    }
+}
