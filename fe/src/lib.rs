@@ -13,5 +13,5 @@ pub use closed_form::{ClosedFormError, ThickTube};
 pub use free_map::{FailedPath, FreeSweep, FreeSweepError, FreeSweepReport};
 pub use rod::{Configuration, Equilibrium, RodError, RodModule, RodSettings, TipLoad};
 pub use run::{Run, Shard};
-pub use section::{SectionError, SectionMesh, SectionSolver, Whereabouts};
+pub use section::{SectionError, SectionLoad, SectionMesh, SectionSolver, Whereabouts};
 pub use section_law::{SectionLaw, SectionResponse};

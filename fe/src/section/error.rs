@@ -34,25 +34,18 @@ pub enum SectionError {
         /// What would be accepted.
         requirement: &'static str,
     },
-    /// Newton's method found no equilibrium, even by the shortest steps allowed.
+    /// Newton's method found no equilibrium, or only unstable ones, even by the shortest steps allowed.
     #[error(
-        "no equilibrium found towards {target} (relative residual {residual:.1e}); the last good state is at {last_good}. \
+        "no stable equilibrium found towards {target} (relative residual {residual:.1e}); the last good state is at {last_good}. \
          Ask for less pressure or deformation, or refine the mesh"
     )]
     NotConverged {
         /// What was asked for.
         target: Whereabouts,
-        /// Relative residual where the iteration gave up; NaN when an element was turned inside out.
+        /// Relative residual where the iteration gave up; NaN when an element was turned inside out,
+        /// tiny when the equilibrium there is unstable.
         residual: f64,
         /// The nearest state in equilibrium.
         last_good: Whereabouts,
-    },
-    /// The FREE has a limit point below the pressure asked for.
-    #[error("{:.4} kPa is above the limit pressure, {:.4} kPa: no state exists there", 1e-3 * .pressure, 1e-3 * .limit)]
-    AboveLimit {
-        /// Pressure asked for, Pa.
-        pressure: f64,
-        /// Limit pressure, Pa.
-        limit: f64,
     },
 }

@@ -13,4 +13,4 @@ pub(crate) mod tests;
 
 pub use error::{SectionError, Whereabouts};
 pub use mesh::SectionMesh;
-pub use solver::SectionSolver;
+pub use solver::{SectionLoad, SectionSolver};

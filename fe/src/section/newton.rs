@@ -30,7 +30,7 @@ pub(crate) struct Converged {
     pub residual: f64,
 }
 
-/// None was found; the residual where the iteration gave up, NaN if an element was turned inside out.
+/// No stable one was found; the residual where the iteration gave up, NaN if an element was turned inside out.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Failed {
     pub residual: f64,
@@ -67,6 +67,16 @@ impl Newton {
             self.system.corner[i][j] - dot(&self.system.columns[i], &self.answers[j])
         });
         Ok((0.5 * (schur + schur.transpose()), negative))
+    }
+
+    /// As [`Newton::condense`], where the wall is stable at given lambda, psi and p; Newton's method may jump past a fold to a
+    /// state that is not.
+    pub fn condense_stable(&mut self) -> Result<Matrix3<f64>, Failed> {
+        let residual = self.system.relative_residual();
+        match self.condense()? {
+            (schur, 0) => Ok(schur),
+            _ => Err(Failed { residual }),
+        }
     }
 
     fn global_residual(&self, state: &State, control: &Control, parts: &[f64; 2]) -> Vector3<f64> {
@@ -163,9 +173,10 @@ impl Newton {
         Err(Failed { residual })
     }
 
-    /// Change of the state with the enclosed volume at given force and torque, per volume; its third global is dp/dV.
+    /// Change of the state with the enclosed volume at given force and torque, per volume; its third global is dp/dV. Fails where
+    /// the wall is unstable at given lambda, psi and p.
     pub fn volume_tangent(&mut self, problem: &Problem, tangent: &mut Step) -> Result<(), Failed> {
-        let (schur, _) = self.condense()?;
+        let schur = self.condense_stable()?;
         let globals = schur.lu().solve(&Vector3::new(0.0, 0.0, -1.0)).ok_or(Failed { residual: f64::NAN })?;
         for (index, value) in tangent.inner.iter_mut().enumerate() {
             *value = -(0..3).map(|a| self.answers[a][index] * globals[a]).sum::<f64>();

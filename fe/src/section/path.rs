@@ -17,6 +17,8 @@ const RANGE: f64 = 3.0;
 /// Change of log p over that of log V at which the pressure counts as stationary: the pressure is then exact to the square
 /// of this.
 const FLAT: f64 = 1e-6;
+/// Halvings of loads put on without pressure.
+const MOST_LOAD_HALVINGS: u32 = 6;
 /// Newton steps that a good step length takes.
 const WANTED_STEPS: usize = 4;
 
@@ -61,9 +63,29 @@ struct Walker<'a> {
 }
 
 impl Walker<'_> {
-    /// The state without pressure, from `start`.
-    fn unpressurised(&mut self, start: State) -> Result<Station, Failed> {
-        self.solve_given(start, Given::Value(0.0)).map(|(station, _)| station)
+    /// The state without pressure, from the unloaded one; the loads are put on by halves where they are too much at once.
+    fn unpressurised(&mut self, rest: &State) -> Result<Station, Failed> {
+        let loads = self.loads;
+        let mut halvings = 0;
+        loop {
+            let parts = 1 << halvings;
+            let mut state = rest.clone();
+            let mut last = Err(Failed { residual: f64::NAN });
+            for part in 1..=parts {
+                self.loads = loads.map(|load| load * f64::from(part) / f64::from(parts));
+                last = self.solve_given(state.clone(), Given::Value(0.0));
+                match &last {
+                    Ok((station, _)) => state.clone_from(&station.state),
+                    Err(_) => break,
+                }
+            }
+            self.loads = loads;
+            match last {
+                Ok((station, _)) => return Ok(station),
+                Err(failed) if halvings == MOST_LOAD_HALVINGS => return Err(failed),
+                Err(_) => halvings += 1,
+            }
+        }
     }
 
     /// The state of an enclosed volume, from `start`.
@@ -164,7 +186,7 @@ fn cubic_root(a: &Station, b: &Station, pressure: f64) -> f64 {
 }
 
 impl Path {
-    /// Follows the equilibria under `loads` (force, torque) from `rest`, which must be in equilibrium under them without pressure.
+    /// Follows the equilibria under `loads` (force, torque) from the unloaded state `rest`.
     pub fn follow(
         problem: &Problem,
         newton: &mut Newton,
@@ -181,7 +203,11 @@ impl Path {
         };
         let bore = problem.grid.radii[0];
         let rest_volume = std::f64::consts::PI * bore * bore;
-        let first = walker.unpressurised(rest.clone()).map_err(|failed| error(failed, rest, 0.0))?;
+        let first = walker.unpressurised(rest).map_err(|failed| error(failed, rest, 0.0))?;
+        if first.slope() <= 0.0 {
+            // Its loads alone have brought the FREE to a limit.
+            return Ok(Path { loads, units, stations: vec![first], end: PathEnd::LimitPoint });
+        }
         let mut stations = vec![first];
         let mut share = FIRST_STEP;
         loop {

@@ -8,6 +8,7 @@ use super::{
 };
 use crate::SectionResponse;
 use actuator::{Free, FreePath};
+use nalgebra::Matrix3;
 
 /// Shortest share of the way to a wanted state that is tried.
 const SHORTEST_SHARE: f64 = 1.0 / 64.0;
@@ -20,7 +21,7 @@ const SHORTEST_SHARE: f64 = 1.0 / 64.0;
 /// unknowns more. Pressure acts as -p V with V the enclosed volume (closed ends included), force and torque as -F lambda - M psi.
 ///
 /// The solver remembers the state of its last answer and starts the next one from it; answers do not depend on that start
-/// beyond the residual allowed (1e-10 relative) unless the section has several equilibria.
+/// beyond the residual allowed (1e-10 relative) unless the section has several stable equilibria; unstable ones are not taken.
 #[derive(Clone, Debug)]
 pub struct SectionSolver {
     free: Free,
@@ -29,6 +30,15 @@ pub struct SectionSolver {
     newton: Newton,
     rest: State,
     state: State,
+}
+
+/// Constant loads on the closed ends of a FREE.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SectionLoad {
+    /// Axial force, N, positive when it pulls.
+    pub force: f64,
+    /// Torque, N m, positive like a positive twist.
+    pub torque: f64,
 }
 
 /// Units of the problem.
@@ -148,11 +158,7 @@ impl SectionSolver {
             "it must be a number, in rad/m",
         )?;
         let target = [axial_stretch, twist_per_length * self.units.length, pressure / self.units.stress];
-        let condensed = match self.reach(target) {
-            Ok(()) => self.newton.condense().map(|(schur, _)| schur),
-            Err(failed) => Err(failed),
-        };
-        let schur = condensed.map_err(|failed| SectionError::NotConverged {
+        let schur = self.reach(target).map_err(|failed| SectionError::NotConverged {
             target: self.units.whereabouts(&target),
             residual: failed.residual,
             last_good: self.units.whereabouts(&self.state.globals),
@@ -176,15 +182,15 @@ impl SectionSolver {
         self.problem.expansion(&self.state)
     }
 
-    /// Brings `self.state` to given globals, from itself or, failing that, from rest.
-    fn reach(&mut self, target: [f64; 3]) -> Result<(), Failed> {
+    /// Brings `self.state` to given globals, from itself or, failing that, from rest. Returns the stiffness of the globals.
+    fn reach(&mut self, target: [f64; 3]) -> Result<Matrix3<f64>, Failed> {
         self.walk(target).or_else(|_| {
             self.state.clone_from(&self.rest);
             self.walk(target)
         })
     }
 
-    fn walk(&mut self, target: [f64; 3]) -> Result<(), Failed> {
+    fn walk(&mut self, target: [f64; 3]) -> Result<Matrix3<f64>, Failed> {
         let mut share = 1.0f64;
         let mut trial = self.state.clone();
         loop {
@@ -194,11 +200,15 @@ impl SectionSolver {
                 Given::Value(if last { target[i] } else { from[i] + share * (target[i] - from[i]) })
             });
             trial.clone_from(&self.state);
-            match self.newton.solve(&self.problem, &mut trial, &control) {
-                Ok(_) => {
+            let found = self
+                .newton
+                .solve(&self.problem, &mut trial, &control)
+                .and_then(|_| self.newton.condense_stable());
+            match found {
+                Ok(schur) => {
                     self.state.clone_from(&trial);
                     if last {
-                        return Ok(());
+                        return Ok(schur);
                     }
                     // What was a share of the old remainder is a larger share of the new one.
                     share = (2.0 * share / (1.0 - share)).min(1.0);
@@ -223,10 +233,29 @@ impl SectionSolver {
     /// # Errors
     /// [`SectionError::NotConverged`] where the path cannot be followed.
     pub fn path(&mut self, pressures: &[f64], extra: usize) -> Result<FreePath, SectionError> {
+        self.path_under(SectionLoad::default(), pressures, extra)
+    }
+
+    /// The same as [`SectionSolver::path`] with a constant axial force and torque on the closed ends, present from zero pressure
+    /// up.
+    ///
+    /// # Errors
+    /// As [`SectionSolver::path`]; also where the FREE does not bear the load without pressure.
+    pub fn path_under(
+        &mut self,
+        load: SectionLoad,
+        pressures: &[f64],
+        extra: usize,
+    ) -> Result<FreePath, SectionError> {
+        check("force", load.force, load.force.is_finite(), "it must be a number, in N")?;
+        check("torque", load.torque, load.torque.is_finite(), "it must be a number, in N m")?;
         for pressure in pressures {
             check("pressure", *pressure, *pressure >= 0.0, "a path rises from zero, in Pa")?;
         }
-        let path = Path::follow(&self.problem, &mut self.newton, &self.rest, [0.0, 0.0], self.units)?;
-        path.states(&self.problem, &mut self.newton, pressures, extra, self.free.winding.handedness.sign())
+        let hand = self.free.winding.handedness.sign();
+        let Units { length: b, stress: mu } = self.units;
+        let loads = [load.force / (mu * b * b), hand * load.torque / (mu * b * b * b)];
+        let path = Path::follow(&self.problem, &mut self.newton, &self.rest, loads, self.units)?;
+        path.states(&self.problem, &mut self.newton, pressures, extra, hand)
     }
 }
