@@ -44,6 +44,8 @@ mod tests {
         assert_eq!((statistics.count, statistics.p95, statistics.worst), (100, 95.0, 100.0));
         // Sum of the squares of 1..n is n (n + 1)(2 n + 1)/6.
         assert!((statistics.rms - (101.0f64 * 201.0 / 6.0).sqrt()).abs() < 1e-12);
+        let two_hundred: Vec<f64> = (1..=200).map(f64::from).collect();
+        assert_eq!(ErrorStatistics::of(&two_hundred).p95, 190.0);
         // Of three errors, 95 % are all three.
         assert_eq!(ErrorStatistics::of(&[3.0, 1.0, 2.0]).p95, 3.0);
         assert_eq!(ErrorStatistics::of(&[]), ErrorStatistics::default());

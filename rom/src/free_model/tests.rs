@@ -103,7 +103,7 @@ fn paths_that_met_no_limit_are_covered_to_their_end() {
 #[test]
 fn limits_are_told_only_where_all_paths_around_met_one() {
     // Limit pressures fall with the angle, so a range of 0.2 MU is met below some angle and a limit point above.
-    let map = free_map(angles(8), vec![MU], 30, Some(0.2 * MU));
+    let mut map = free_map(angles(8), vec![MU], 30, Some(0.2 * MU));
     let ends: Vec<bool> = map.paths.iter().flatten().map(|path| path.end == PathEnd::LimitPoint).collect();
     let first = ends.iter().position(|limited| *limited).unwrap();
     assert!(first > 0 && first < 7);
@@ -113,6 +113,12 @@ fn limits_are_told_only_where_all_paths_around_met_one() {
     assert!(model.limit_pressure(map.winding_angles[first], MU).unwrap().is_some());
     assert_eq!(model.limit_pressure(map.winding_angles[first - 1], MU).unwrap(), None);
     assert!(model.limit_pressure(map.winding_angles[7], MU).unwrap().is_some());
+    // The other way round: the path above has none.
+    map.paths[7].as_mut().unwrap().end = PathEnd::Range;
+    let model = FreeModel::fit(&map).unwrap();
+    let between = 0.5 * (map.winding_angles[6] + map.winding_angles[7]);
+    assert_eq!(model.limit_pressure(between, MU).unwrap(), None);
+    assert!(model.limit_pressure(map.winding_angles[6], MU).unwrap().is_some());
 }
 
 #[test]

@@ -105,6 +105,7 @@ fn noise_about_zero_is_continued_linearly_and_no_further_than_asked() {
     model.evaluate_near(&[1e3, 20e3], 500.0, &mut into).unwrap();
     assert_eq!(into, edge);
     assert!(model.evaluate_near(&[-501.0, 20e3], 500.0, &mut into).is_err());
+    assert!(model.evaluate_near(&[0.0, PRESSURE_MAX + 501.0], 500.0, &mut into).is_err());
     assert!(model.evaluate_near(&[f64::NAN, 20e3], 500.0, &mut into).is_err());
     assert!(model.evaluate_near(&[0.0, 0.0], f64::NAN, &mut into).is_err());
 }
@@ -140,6 +141,16 @@ fn buckled_nodes_are_told() {
     assert!(!model.is_near_buckling(&[18e3, 20e3]));
     assert!(!model.is_near_buckling(&[3e3, 24e3]));
     assert!(!model.is_near_buckling(&[PRESSURE_MAX, PRESSURE_MAX]));
+    // A node in the middle belongs to the cells on all its sides.
+    let mut map = module_map(vec![even(5), even(4)], 0);
+    map.states[2 * 4 + 1].as_mut().unwrap().negative_pivots = 2;
+    let model = ModuleModel::fit(&map).unwrap();
+    let node = map.node_pressures(9);
+    assert_eq!(model.buckled_nodes(), [vec![0.0, 0.0], node.clone()]);
+    for (x, y) in [(-5e3, -5e3), (-5e3, 5e3), (5e3, -5e3), (5e3, 5e3)] {
+        assert!(model.is_near_buckling(&[node[0] + x, node[1] + y]));
+    }
+    assert!(!model.is_near_buckling(&[node[0] + 20e3, node[1]]));
     let single = ModuleModel::fit(&module_map(vec![vec![0.0], even(4)], 0)).unwrap();
     assert!(single.is_near_buckling(&[0.0, 1e3]));
     assert!(!single.is_near_buckling(&[0.0, 30e3]));
