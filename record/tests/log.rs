@@ -285,7 +285,7 @@ fn garbage_and_strangers_are_refused_with_the_remedy() {
     assert!(message(b"", Some(&rig)).contains("the file is empty"));
     assert!(message(b"t_s,p1_kpa\n", Some(&rig)).contains("not an MCAP file (it begins with \"t_s,p1_k\")"));
     let mut garbage = mcap::MAGIC.to_vec();
-    garbage.extend((0..4000u32).map(|index| (index * 2_654_435_761 >> 24) as u8));
+    garbage.extend((0..4000u32).map(|index| (index.wrapping_mul(2_654_435_761) >> 24) as u8));
     assert!(message(&garbage, Some(&rig)).contains("nothing can be recovered"));
     assert!(read_mcap(Path::new("absent.mcap"), None).unwrap_err().to_string().starts_with("absent.mcap: "));
     let foreign = foreign_bag("sensor_msgs/msg/FluidPressure");
@@ -340,8 +340,8 @@ fn foreign_bag(pressure_type: &str) -> Vec<u8> {
         };
         head.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
         let channel_id = if index % 2 == 0 { valve } else { vision };
-        // The bag writer got the message a millisecond late; the stamp counts.
-        let late = stamp + 1_000_000;
+        // The bag writer got each message later than the one before; the stamp counts.
+        let late = stamp + (index + 1) * 1_000_000;
         let header =
             mcap::records::MessageHeader { channel_id, sequence: 0, log_time: late, publish_time: late };
         writer.write_to_known_channel(&header, &head).unwrap();
