@@ -93,7 +93,7 @@ fn check_axis(axis: &'static str, values: &[f64], least: f64, unit: f64) -> Resu
 }
 
 /// Next number of the generator splitmix64 as a fraction in [0, 1): the same on every machine.
-fn next_fraction(state: &mut u64) -> f64 {
+pub(crate) fn next_fraction(state: &mut u64) -> f64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mut z = *state;
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

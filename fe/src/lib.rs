@@ -4,6 +4,7 @@ mod closed_form;
 mod free_map;
 mod jet;
 pub mod material;
+mod module_map;
 mod rod;
 mod run;
 mod section;
@@ -11,7 +12,11 @@ mod section_law;
 
 pub use closed_form::{ClosedFormError, ThickTube};
 pub use free_map::{FailedPath, FreeSweep, FreeSweepError, FreeSweepReport};
-pub use rod::{Configuration, Equilibrium, RodError, RodModule, RodSettings, TipLoad};
+pub use module_map::{FailedState, ModuleSweep, ModuleSweepError, ModuleSweepReport};
+pub use rod::{
+    Configuration, Equilibrium, RodError, RodModule, RodSettings, SectionTable, TableError, TableGrid,
+    TipLoad,
+};
 pub use run::{Run, Shard};
 pub use section::{SectionError, SectionLoad, SectionMesh, SectionSolver, Whereabouts};
 pub use section_law::{SectionLaw, SectionResponse};

@@ -7,8 +7,10 @@ mod module;
 mod motion;
 mod pivots;
 mod plate;
+mod table;
 #[cfg(test)]
 mod tests;
 
 pub use equilibrium::{Configuration, Equilibrium, RodError};
 pub use module::{RodModule, RodSettings, TipLoad};
+pub use table::{SectionTable, TableError, TableGrid};

@@ -28,6 +28,17 @@ impl Default for RodSettings {
     }
 }
 
+impl RodSettings {
+    /// In words, for a map; says what is provisional.
+    pub fn describe(&self) -> String {
+        format!(
+            "geometrically exact rods, {} elements a FREE; PROVISIONAL bending stiffness {} x 3 mu I and shear stiffness mu A \
+             (undeformed wall, no fibres, no pressure), to be replaced by the solid model's",
+            self.elements, self.bending_stiffness_scale
+        )
+    }
+}
+
 /// A constant load on the tip plate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TipLoad {
@@ -123,15 +134,6 @@ impl RodModule {
     /// The module that is modelled.
     pub fn module(&self) -> &Module {
         &self.module
-    }
-
-    /// Settings in words, for a map; says what is provisional.
-    pub fn describe(&self) -> String {
-        format!(
-            "geometrically exact rods, {} elements a FREE; PROVISIONAL bending stiffness {} x 3 mu I and shear stiffness mu A \
-             (undeformed wall, no fibres, no pressure), to be replaced by the solid model's",
-            self.settings.elements, self.settings.bending_stiffness_scale
-        )
     }
 
     fn chains(&self, part: f64) -> Vec<Chain<'_>> {

@@ -1,0 +1,362 @@
+use crate::{
+    RodError, RodModule, RodSettings, Run, SectionError, SectionLaw, SectionMesh, SectionSolver,
+    SectionTable, Shard, TableError, TableGrid, free_map::next_fraction,
+};
+use actuator::{Free, FreePath, Handedness, Limits, Module, ModuleCheck, ModuleMap, ModuleState, units::KPA};
+use std::sync::{
+    Arc,
+    atomic::{AtomicUsize, Ordering},
+    mpsc,
+};
+
+/// How the map of a module is computed: rods with section laws tabulated from the section's finite elements.
+///
+/// The unit of work is a row, the line of nodes along the last FREE's pressure: its first node is followed from rest, the others
+/// one from the other, so that the map depends neither on the number of threads nor on the sharding. Every check is followed
+/// from rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModuleSweep {
+    /// Mesh of the sections.
+    pub mesh: SectionMesh,
+    /// Fineness and provisional stiffness of the rods.
+    pub rods: RodSettings,
+    /// Number of states at random pressures, for a fit to be judged by.
+    pub checks: usize,
+    /// Chooses where the checks lie.
+    pub seed: u64,
+}
+
+impl Default for ModuleSweep {
+    /// A section mesh of two elements through the wall, three around, whose torque is within 0.1 % of the next finer ones (a
+    /// table asks for hundreds of states). Ten elements a FREE, 60 checks.
+    fn default() -> Self {
+        let mesh = SectionMesh { radial: 2, under_fibre: 1, between_fibres: 2 };
+        ModuleSweep { mesh, rods: RodSettings::default(), checks: 60, seed: 1 }
+    }
+}
+
+/// Why a sweep of a module cannot be begun.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum ModuleSweepError {
+    /// The axis of a FREE's pressure is empty, not rising from zero, or missing.
+    #[error("pressures (kPa) of FREE {}: {problem}", free + 1)]
+    Axis {
+        /// Index of the FREE.
+        free: usize,
+        /// What is wrong and what is wanted.
+        problem: String,
+    },
+    /// The map's nodes are not those of its axes.
+    #[error("the map holds {found} states, but its axes have {expected} nodes: make it again")]
+    Shape {
+        /// Product of the axes' nodes.
+        expected: usize,
+        /// States.
+        found: usize,
+    },
+    /// The section of a FREE cannot be solved.
+    #[error("FREE {}: {source}", free + 1)]
+    Section {
+        /// Index of the FREE.
+        free: usize,
+        /// Why.
+        source: SectionError,
+    },
+    /// The section law of a FREE cannot be tabulated.
+    #[error("FREE {}: {source}", free + 1)]
+    Table {
+        /// Index of the FREE.
+        free: usize,
+        /// Why.
+        source: TableError,
+    },
+    /// The rods cannot be set up, or find no state of rest.
+    #[error(transparent)]
+    Rods(#[from] RodError),
+}
+
+/// A state that was not found; its node stays empty.
+#[derive(Clone, Debug)]
+pub struct FailedState {
+    /// Pressures, Pa.
+    pub pressures: Vec<f64>,
+    /// Why.
+    pub error: RodError,
+}
+
+/// What a sweep of a module did.
+#[derive(Clone, Debug, Default)]
+pub struct ModuleSweepReport {
+    /// States computed now, checks among them.
+    pub computed: usize,
+    /// Of these, states that are not stable (buckled).
+    pub buckled: usize,
+    /// Rows that were to be computed but are not, because a stop was asked for.
+    pub rows_left: usize,
+    /// States that were not found.
+    pub failed: Vec<FailedState>,
+}
+
+/// What a FREE's section depends on: neither its length nor, but for the mirror, its hand.
+fn section_of(free: &Free) -> Free {
+    let mut section = *free;
+    section.tube.length = 1.0;
+    section.winding.handedness = Handedness::Right;
+    section
+}
+
+/// The first FREE whose section is the same as that of each FREE.
+fn first_alike(module: &Module) -> Vec<usize> {
+    let sections: Vec<Free> = module.frees.iter().map(|placed| section_of(&placed.free)).collect();
+    sections.iter().map(|own| sections.iter().position(|other| other == own).unwrap_or_default()).collect()
+}
+
+fn check_axes(module: &Module, pressures: &[Vec<f64>]) -> Result<(), ModuleSweepError> {
+    for free in 0..module.frees.len().max(pressures.len()) {
+        let error = |problem: &str| Err(ModuleSweepError::Axis { free, problem: problem.to_owned() });
+        let Some(axis) = pressures.get(free) else { return error("are missing; give nodes for every FREE") };
+        if free >= module.frees.len() {
+            return error("there is no such FREE in the module");
+        }
+        let rising = axis.windows(2).all(|pair| pair[1] > pair[0]) && axis.iter().all(|p| p.is_finite());
+        if axis.len() < 2 || axis[0] != 0.0 || !rising {
+            let nodes: Vec<String> = axis.iter().map(|p| (p / KPA).to_string()).collect();
+            return error(&format!("must be two or more, rising from zero, not {}", nodes.join(", ")));
+        }
+    }
+    Ok(())
+}
+
+impl ModuleSweep {
+    /// An empty map of a module over pressures (Pa, rising from zero) of each FREE, with the limit pressures of its FREEs.
+    /// `source` is name and text of the description.
+    ///
+    /// # Errors
+    /// [`ModuleSweepError`] where an axis or a FREE makes no sense.
+    pub fn empty_map(
+        &self,
+        module: Module,
+        limits: Limits,
+        pressures: Vec<Vec<f64>>,
+        source: (String, String),
+    ) -> Result<ModuleMap, ModuleSweepError> {
+        check_axes(&module, &pressures)?;
+        let paths = self.free_paths(&module, &pressures)?;
+        let mut map = ModuleMap {
+            module,
+            limits,
+            parameters: RodModule::PARAMETERS.to_vec(),
+            pressures,
+            states: Vec::new(),
+            checks: Vec::new(),
+            limit_pressures: paths.iter().map(FreePath::limit_pressure).collect(),
+            settings: self.settings(),
+            source,
+        };
+        map.states = vec![None; map.node_count()];
+        Ok(map)
+    }
+
+    /// The settings in words, as they stand in the map; they say what is provisional.
+    pub fn settings(&self) -> String {
+        let SectionMesh { radial, under_fibre, between_fibres } = self.mesh;
+        format!(
+            "{}; section laws tabulated from half a fibre pitch of {radial} elements through the wall, {under_fibre} under half \
+             a fibre, {between_fibres} beside it; {} checks, seed {}",
+            self.rods.describe(),
+            self.checks,
+            self.seed
+        )
+    }
+
+    /// Free path of each FREE as if right-handed; FREEs of one section share it.
+    fn free_paths(&self, module: &Module, pressures: &[Vec<f64>]) -> Result<Vec<FreePath>, ModuleSweepError> {
+        let alike = first_alike(module);
+        let mut paths: Vec<FreePath> = Vec::with_capacity(alike.len());
+        for (free, first) in alike.into_iter().enumerate() {
+            let path = if first < free {
+                paths[first].clone()
+            } else {
+                SectionSolver::new(&section_of(&module.frees[free].free), self.mesh)
+                    .and_then(|mut solver| solver.path(&pressures[free], 8))
+                    .map_err(|source| ModuleSweepError::Section { free, source })?
+            };
+            paths.push(path);
+        }
+        Ok(paths)
+    }
+
+    /// Section law of each FREE, tabulated up to its greatest pressure; FREEs of one section share it.
+    ///
+    /// # Errors
+    /// [`ModuleSweepError`] where a section cannot be solved or the tabulation was stopped.
+    pub fn section_laws(
+        &self,
+        module: &Module,
+        pressures: &[Vec<f64>],
+        run: &Run<'_>,
+    ) -> Result<Vec<Arc<SectionTable>>, ModuleSweepError> {
+        let alike = first_alike(module);
+        let paths = self.free_paths(module, pressures)?;
+        let mut laws: Vec<Arc<SectionTable>> = Vec::with_capacity(alike.len());
+        for (free, first) in alike.iter().copied().enumerate() {
+            if first < free {
+                laws.push(laws[first].clone());
+                continue;
+            }
+            let users = alike.iter().zip(pressures).filter(|(other, _)| **other == free);
+            let top = users.flat_map(|(_, axis)| axis).fold(0.0f64, |top, pressure| top.max(*pressure));
+            let section = section_of(&module.frees[free].free);
+            let mut solver = SectionSolver::new(&section, self.mesh)
+                .map_err(|source| ModuleSweepError::Section { free, source })?;
+            let grid = TableGrid::for_free(&section, &paths[free], top);
+            let provider = move |p: f64, stretch: f64, twist: f64| solver.respond(p, stretch, twist).ok();
+            let table = SectionTable::tabulate(grid, &provider, run)
+                .map_err(|source| ModuleSweepError::Table { free, source })?;
+            laws.push(Arc::new(table));
+        }
+        Ok(laws)
+    }
+
+    /// Pressures (Pa) of the checks: evenly distributed over the box of the map.
+    pub fn check_pressures(&self, map: &ModuleMap) -> Vec<Vec<f64>> {
+        let mut state = self.seed;
+        let mut one = |axis: &Vec<f64>| axis.last().copied().unwrap_or_default() * next_fraction(&mut state);
+        (0..self.checks).map(|_| map.pressures.iter().map(&mut one).collect()).collect()
+    }
+
+    /// Computes the states of the map (rows of nodes, then checks) that are missing and belong to `shard`.
+    ///
+    /// `checkpoint` is called with the map after each row, from the calling thread; `run.progress` counts rows. A stop asked
+    /// for by `run` takes effect after the rows being followed. States that are not found are reported and stay empty.
+    ///
+    /// # Errors
+    /// [`ModuleSweepError`] where the map does not fit its own axes or its sections cannot be solved.
+    pub fn fill(
+        &self,
+        map: &mut ModuleMap,
+        shard: Shard,
+        run: &Run<'_>,
+        checkpoint: &mut dyn FnMut(&ModuleMap),
+    ) -> Result<ModuleSweepReport, ModuleSweepError> {
+        check_axes(&map.module, &map.pressures)?;
+        let expected = map.node_count();
+        if map.states.len() != expected {
+            return Err(ModuleSweepError::Shape { expected, found: map.states.len() });
+        }
+        let length = map.pressures.last().map_or(1, Vec::len);
+        let checks = self.check_pressures(map);
+        let line_of = |row: usize| match row.checked_sub(expected / length) {
+            None => Line::Nodes { first: row * length, length },
+            Some(check) => Line::Check(checks[check].clone()),
+        };
+        let lines: Vec<Line> = (0..expected / length + checks.len())
+            .filter(|row| shard.owns(*row))
+            .map(line_of)
+            .filter(|line| line.is_missing(map))
+            .collect();
+        let mut report = ModuleSweepReport::default();
+        if lines.is_empty() {
+            return Ok(report);
+        }
+        let laws = match self.section_laws(&map.module, &map.pressures, run) {
+            Err(ModuleSweepError::Table { source: TableError::Stopped, .. }) => {
+                report.rows_left = lines.len();
+                return Ok(report);
+            }
+            laws => laws?.into_iter().map(|law| law as Arc<dyn SectionLaw>).collect(),
+        };
+        let rods = RodModule::new(&map.module, laws, self.rods)?;
+        let rest = rods.rest()?;
+
+        let next = AtomicUsize::new(0);
+        let (sender, receiver) = mpsc::channel::<(usize, Vec<(Vec<f64>, Result<ModuleState, RodError>)>)>();
+        let wanted: Vec<Vec<Vec<f64>>> = lines.iter().map(|line| line.pressures(map)).collect();
+        std::thread::scope(|scope| {
+            for _ in 0..run.jobs.clamp(1, lines.len()) {
+                let (sender, next, wanted, rods, rest) = (sender.clone(), &next, &wanted, &rods, &rest);
+                scope.spawn(move || {
+                    while !run.is_stopped() {
+                        let index = next.fetch_add(1, Ordering::Relaxed);
+                        let Some(line) = wanted.get(index) else { break };
+                        let mut last = rest.clone();
+                        let follow = |pressures: &Vec<f64>| {
+                            let found = rods.solve_from(&last, pressures).map(|found| {
+                                last = found;
+                                last.state.clone()
+                            });
+                            (pressures.clone(), found)
+                        };
+                        // The receiver outlives the scope; were it gone, there would be nobody to compute for.
+                        if sender.send((index, line.iter().map(follow).collect())).is_err() {
+                            break;
+                        }
+                    }
+                });
+            }
+            drop(sender);
+            let mut done = 0;
+            for (index, found) in &receiver {
+                done += 1;
+                lines[index].store(found, map, &mut report);
+                checkpoint(map);
+                (run.progress)(done, lines.len());
+            }
+            report.rows_left = lines.len() - done;
+        });
+        // In the order of the points, whichever thread was first.
+        map.checks.sort_by_key(|check| checks.iter().position(|pressures| *pressures == check.pressures));
+        Ok(report)
+    }
+}
+
+/// A unit of work.
+enum Line {
+    Nodes { first: usize, length: usize },
+    Check(Vec<f64>),
+}
+
+impl Line {
+    fn is_missing(&self, map: &ModuleMap) -> bool {
+        match self {
+            Line::Nodes { first, length } => map.states[*first..first + length].iter().any(Option::is_none),
+            Line::Check(pressures) => map.checks.iter().all(|check| check.pressures != *pressures),
+        }
+    }
+
+    fn pressures(&self, map: &ModuleMap) -> Vec<Vec<f64>> {
+        match self {
+            Line::Nodes { first, length } => {
+                (*first..first + length).map(|node| map.node_pressures(node)).collect()
+            }
+            Line::Check(pressures) => vec![pressures.clone()],
+        }
+    }
+
+    fn store(
+        &self,
+        found: Vec<(Vec<f64>, Result<ModuleState, RodError>)>,
+        map: &mut ModuleMap,
+        report: &mut ModuleSweepReport,
+    ) {
+        for (place, (pressures, state)) in found.into_iter().enumerate() {
+            let state = match state {
+                Ok(state) => state,
+                Err(error) => {
+                    report.failed.push(FailedState { pressures, error });
+                    continue;
+                }
+            };
+            report.computed += 1;
+            report.buckled += usize::from(state.negative_pivots > 0);
+            match self {
+                Line::Nodes { first, .. } => map.states[first + place] = Some(state),
+                Line::Check(_) => map.checks.push(ModuleCheck { pressures, state }),
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "module_map_tests.rs"]
+mod tests;

@@ -1,0 +1,146 @@
+use super::*;
+use crate::TipLoad;
+use actuator::{Base, Elastomer, Fibre, FibreLaw, OgdenForm, PlacedFree, Tip, Tube, Winding};
+use std::sync::atomic::AtomicBool;
+
+/// Two FREEs of both hands side by side, hanging; the section is the same.
+fn pair() -> Module {
+    let fibre = Fibre { axial_stiffness: 644.0, diameter: 3e-4, law: FibreLaw::TensionOnly };
+    let placed = |x: f64, hand| PlacedFree {
+        free: Free {
+            tube: Tube { length: 0.1, inner_radius: 4.76e-3, wall: 0.8e-3 },
+            winding: Winding::from_hoop(30f64.to_radians(), hand, 6, fibre),
+            elastomer: Elastomer::Ogden {
+                shear_modulus: 0.393e6,
+                alpha: 1.2,
+                form: OgdenForm::InitialModulus,
+            },
+        },
+        position: [x, 0.0],
+    };
+    Module {
+        frees: vec![placed(-7.5e-3, Handedness::Right), placed(7.5e-3, Handedness::Left)],
+        tip: Tip { plate_mass: 5e-3, payload: 0.0, free_dof: [true; 6] },
+        base: Base { gravity: [0.0, 0.0, 1.0], free_mass: 2e-3 },
+    }
+}
+
+fn sweep() -> ModuleSweep {
+    let mesh = SectionMesh { radial: 1, under_fibre: 1, between_fibres: 2 };
+    let rods = RodSettings { elements: 6, bending_stiffness_scale: 2.0, tip_load: TipLoad::default() };
+    ModuleSweep { mesh, rods, checks: 3, seed: 5 }
+}
+
+fn empty(sweep: &ModuleSweep) -> ModuleMap {
+    let limits = Limits { pressure_max: vec![3e4; 2], pressure_rate: 2e5, idle_pressure: 0.0 };
+    let axes = vec![vec![0.0, 1e4, 3e4], vec![0.0, 1.5e4, 3e4]];
+    sweep.empty_map(pair(), limits, axes, ("pair.toml".into(), "kind".into())).unwrap()
+}
+
+fn fill(map: &mut ModuleMap, shard: Shard, jobs: usize) -> ModuleSweepReport {
+    let stop = AtomicBool::new(false);
+    let run = Run { jobs, progress: &|_, _| (), stop: &stop };
+    sweep().fill(map, shard, &run, &mut |_| ()).unwrap()
+}
+
+#[test]
+fn a_map_is_filled_alike_by_any_number_of_threads_and_shards() {
+    let mut whole = empty(&sweep());
+    let report = fill(&mut whole, Shard::WHOLE, 2);
+    assert_eq!((report.computed, report.rows_left, report.failed.len()), (12, 0, 0));
+    assert!(whole.is_complete() && whole.checks.len() == 3);
+    let mut parts = empty(&sweep());
+    for index in [2, 0, 1] {
+        let before = parts.states.iter().flatten().count();
+        fill(&mut parts, Shard { index, count: 3 }, 1);
+        assert!(parts.states.iter().flatten().count() > before);
+    }
+    assert_eq!(whole, parts);
+    // Nothing is computed twice.
+    assert_eq!(fill(&mut whole, Shard::WHOLE, 2).computed, 0);
+}
+
+#[test]
+fn states_are_those_of_the_module_and_carry_its_slopes() {
+    let mut map = empty(&sweep());
+    fill(&mut map, Shard::WHOLE, 2);
+    let rest = map.states[0].as_ref().unwrap();
+    assert!(rest.chart.twist.abs() < 1e-9 && rest.chart.position[2] > 0.1);
+    assert_eq!(map.parameters.len(), rest.slopes.len());
+    // A hanging payload lengthens it: by L/(3 mu A) per newton and FREE, roughly, as the fibres are slack.
+    let tube = map.module.frees[0].free.tube;
+    let expected = 0.1 * 9.80665 / (2.0 * 3.0 * 0.393e6 * tube.wall_area());
+    assert!((rest.slopes[0][5] / expected - 1.0).abs() < 0.05, "{:?} {expected}", rest.slopes);
+    // The mirror exchanges the FREEs: node (2, 0) against (0, 2).
+    let [right, left] = [6, 2].map(|node| map.states[node].as_ref().unwrap().chart);
+    assert!(right.twist < -0.1 && (right.twist + left.twist).abs() < 1e-7);
+    for state in map.states.iter().flatten().chain(map.checks.iter().map(|check| &check.state)) {
+        assert!(state.residual < 1e-9 && state.negative_pivots == 0);
+    }
+    let limits: Vec<f64> = map.limit_pressures.iter().copied().flatten().collect();
+    assert!(
+        limits.len() == 2 && limits[0] == limits[1] && (limits[0] / 74.7e3 - 1.0).abs() < 0.01,
+        "{limits:?}"
+    );
+    assert!(map.settings.contains("PROVISIONAL bending stiffness 2 x 3 mu I"));
+    assert!(map.checks.iter().all(|check| check.pressures.iter().all(|p| (0.0..=3e4).contains(p))));
+}
+
+#[test]
+fn stopping_keeps_what_is_done_and_leaves_the_rest() {
+    let mut map = empty(&sweep());
+    let stop = AtomicBool::new(false);
+    let run = Run { jobs: 1, progress: &|_, _| stop.store(true, Ordering::Relaxed), stop: &stop };
+    let mut saved = 0;
+    let report = sweep().fill(&mut map, Shard::WHOLE, &run, &mut |_| saved += 1).unwrap();
+    // One row was told of; a thread may have begun another before the stop was seen.
+    assert!(report.rows_left >= 4 && report.computed >= 3 && saved >= 1, "{report:?}");
+    assert!(!map.is_complete());
+    let early = AtomicBool::new(true);
+    let run = Run { jobs: 1, progress: &|_, _| (), stop: &early };
+    let report = sweep().fill(&mut empty(&sweep()), Shard::WHOLE, &run, &mut |_| ()).unwrap();
+    assert_eq!((report.computed, report.rows_left), (0, 6));
+}
+
+#[test]
+fn a_map_beyond_the_limit_is_left_empty_there_and_says_so() {
+    let mut module = pair();
+    for placed in &mut module.frees {
+        placed.free.winding = placed.free.winding.with_angle_from_hoop(70f64.to_radians());
+    }
+    let limits = Limits { pressure_max: vec![8e4; 2], pressure_rate: 2e5, idle_pressure: 0.0 };
+    let sweep = ModuleSweep { checks: 0, ..sweep() };
+    let axes = vec![vec![0.0, 2e4, 8e4]; 2];
+    let mut map = sweep.empty_map(module, limits, axes, (String::new(), String::new())).unwrap();
+    let limit = map.limit_pressures[0].unwrap();
+    assert!(limit < 8e4, "{limit}");
+    let stop = AtomicBool::new(false);
+    let run = Run { jobs: 2, progress: &|_, _| (), stop: &stop };
+    let report = sweep.fill(&mut map, Shard::WHOLE, &run, &mut |_| ()).unwrap();
+    assert!(map.states[0].is_some() && map.states[4].is_some());
+    assert!(map.states[8].is_none() && report.failed.iter().any(|failed| failed.pressures == [8e4, 8e4]));
+    assert_eq!(report.computed + report.failed.len(), 9);
+}
+
+#[test]
+fn axes_and_shapes_are_checked() {
+    let limits = Limits { pressure_max: vec![3e4; 2], pressure_rate: 2e5, idle_pressure: 0.0 };
+    let refuse = |axes: Vec<Vec<f64>>| {
+        sweep()
+            .empty_map(pair(), limits.clone(), axes, (String::new(), String::new()))
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(refuse(vec![vec![0.0, 1e4]]).starts_with("pressures (kPa) of FREE 2: are missing"));
+    assert!(refuse(vec![vec![0.0, 1e4]; 3]).contains("FREE 3: there is no such FREE"));
+    assert!(refuse(vec![vec![0.0, 1e4], vec![0.0, 2e4, 1e4]]).contains("rising from zero, not 0, 20, 10"));
+    assert!(refuse(vec![vec![0.0, 1e4], vec![1e3, 2e4]]).contains("rising from zero"));
+    let mut map = empty(&sweep());
+    map.states.pop();
+    let stop = AtomicBool::new(false);
+    let run = Run { jobs: 1, progress: &|_, _| (), stop: &stop };
+    assert!(matches!(
+        sweep().fill(&mut map, Shard::WHOLE, &run, &mut |_| ()),
+        Err(ModuleSweepError::Shape { expected: 9, found: 8 })
+    ));
+}
