@@ -186,7 +186,7 @@ impl ModuleSweep {
         Ok(paths)
     }
 
-    /// Section law of each FREE, tabulated up to its greatest pressure; FREEs of one section share it.
+    /// Section law of each FREE, tabulated up to its greatest pressure or its limit pressure; FREEs of one section share it.
     ///
     /// # Errors
     /// [`ModuleSweepError`] where a section cannot be solved or the tabulation was stopped.
@@ -206,6 +206,7 @@ impl ModuleSweep {
             }
             let users = alike.iter().zip(pressures).filter(|(other, _)| **other == free);
             let top = users.flat_map(|(_, axis)| axis).fold(0.0f64, |top, pressure| top.max(*pressure));
+            let top = paths[free].limit_pressure().map_or(top, |limit| top.min(limit));
             let section = section_of(&module.frees[free].free);
             let mut solver = SectionSolver::new(&section, self.mesh)
                 .map_err(|source| ModuleSweepError::Section { free, source })?;
