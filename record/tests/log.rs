@@ -42,10 +42,11 @@ fn recording(rig: &Rig) -> Recording {
         let t = 0.02 * f64::from(index);
         let angle = 0.3 * (1.3 * t).sin();
         let step = 10.0 * (f64::from(index / 50) + 1.0 / 3.0);
-        let hole =
-            |value: f64, every: u32| if index % every == 3 { String::new() } else { value.to_string() };
+        let hole = |value: f64, every: u32| {
+            if index % every == 3 || index == 60 { String::new() } else { value.to_string() }
+        };
         text += &format!("{:.3},{step},{},{},{}", t, step / 7.0, hole(step + t.sin() / 9.0, 11), hole(t, 7));
-        if index % 13 == 5 {
+        if index % 13 == 5 || index == 60 {
             text += ",,,,,,,\n";
         } else {
             let (w, z) = ((0.5 * angle).cos(), (0.5 * angle).sin());
@@ -94,6 +95,7 @@ fn a_recording_comes_back_from_its_log() {
         assert_eq!(log.rig_text.as_deref(), Some(rig.text.as_str()));
         assert_eq!(log.metadata["ambient_pressure_pa"], "101325");
         assert_eq!(log.findings.of_kind(FindingKind::CutOff).count(), 0);
+        assert_eq!(held_alone(&before), 1);
         let commands = log.message_counts["/free_1/pressure_command"];
         assert_eq!(commands, if storage.hold_commands { 4 + held_alone(&before) } else { 200 });
     }
