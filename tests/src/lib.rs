@@ -51,10 +51,10 @@ pub fn data(name: &str) -> PathBuf {
 }
 
 /// Real recordings of single FREEs, where they are at hand: they may be used in place, not copied into the project. The
-/// folder is looked for beside the project, or where the variable `FREEACT_MEASURED_DATA` says.
+/// folder is looked for beside the project, or where the variable `FREEACT_MEASURED` says.
 pub fn measured(name: &str) -> Option<PathBuf> {
     let beside = || project().parent().map(|parent| parent.join("shared/data/measured"));
-    let folder = env::var_os("FREEACT_MEASURED_DATA").map(PathBuf::from).or_else(beside)?.join(name);
+    let folder = env::var_os("FREEACT_MEASURED").map(PathBuf::from).or_else(beside)?.join(name);
     folder.exists().then_some(folder)
 }
 

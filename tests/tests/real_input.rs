@@ -26,7 +26,7 @@ fn names(answer: &serde_json::Value) -> Vec<&str> {
 #[test]
 fn real_frees_are_better_predicted_on_branches_that_took_no_part_in_the_fit() {
     let Some(folder) = measured("um-free") else {
-        println!("skipped: the University of Michigan recordings are not at hand (FREEACT_MEASURED_DATA)");
+        println!("skipped: the University of Michigan recordings are not at hand (FREEACT_MEASURED)");
         return;
     };
     let out = tempfile::tempdir().expect("a scratch folder");
