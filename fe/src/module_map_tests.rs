@@ -106,7 +106,7 @@ fn stopping_keeps_what_is_done_and_leaves_the_rest() {
 fn a_map_beyond_the_limit_is_left_empty_there_and_says_so() {
     let mut module = pair();
     for placed in &mut module.frees {
-        placed.free.winding = placed.free.winding.with_angle_from_hoop(70f64.to_radians());
+        placed.free.winding = placed.free.winding.with_angle_from_hoop(50f64.to_radians());
     }
     let limits = Limits { pressure_max: vec![8e4; 2], pressure_rate: 2e5, idle_pressure: 0.0 };
     let sweep = ModuleSweep { checks: 0, ..sweep() };

@@ -146,7 +146,8 @@ type Local = [f64; 6];
 
 impl SectionTable {
     /// Tabulates a provider (`None` where it has no answer) over a grid; lines of constant pressure and stretch are shared
-    /// among threads, and followed from sigma = 0 outwards by a clone of the provider each.
+    /// among threads, and followed from sigma = 0 outwards by a clone of the provider each, as far as there are answers (two
+    /// nodes without one end a line).
     pub fn tabulate<P>(grid: TableGrid, provider: &P, run: &Run) -> Result<Self, TableError>
     where
         P: FnMut(f64, f64, f64) -> Option<SectionResponse> + Clone + Send + Sync,
@@ -167,12 +168,18 @@ impl SectionTable {
             let middle = locate(grid.sigma, 0.0).0;
             for order in [(middle..sigmas).collect::<Vec<_>>(), (0..middle).rev().collect()] {
                 let mut provider = provider.clone();
+                let mut missing = 0;
                 for k in order {
                     if run.is_stopped() {
                         return None;
                     }
                     let twist = node(grid.sigma, k) + grid.shear * (stretch - 1.0) - grid.drift * pressure;
                     let found = ask(&mut provider, [pressure, stretch, twist], spacing);
+                    missing = if found.is_some() { 0 } else { missing + 1 };
+                    // Beyond a fold there is nothing, and a failure costs more than many answers.
+                    if missing == 2 {
+                        break;
+                    }
                     values[k] = found.map(|found| {
                         // Along a line of constant sigma the twist grows with the stretch.
                         let mixed = found.stiffness[0][1] + grid.shear * found.stiffness[1][1];
@@ -280,7 +287,7 @@ fn ask<P>(provider: &mut P, [pressure, stretch, twist]: [f64; 3], spacing: f64) 
 where
     P: FnMut(f64, f64, f64) -> Option<SectionResponse>,
 {
-    [0.0, 0.02, -0.02, 0.06, -0.06].into_iter().find_map(|part| {
+    [0.0, 0.03, -0.03].into_iter().find_map(|part| {
         let beside = part * spacing;
         let SectionResponse { energy, force, torque, stiffness } =
             provider(pressure, stretch, twist + beside)?;
