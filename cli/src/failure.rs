@@ -30,6 +30,11 @@ impl Failure {
         Failure::new(Exit::Refused, message.into())
     }
 
+    /// An end by Ctrl-C before there was anything to keep.
+    pub fn interrupted() -> Self {
+        Failure::new(Exit::Interrupted, "stopped before the end")
+    }
+
     /// An error about a file whose message names it already.
     pub fn file(error: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
         Failure::new(Exit::File, error)

@@ -1,6 +1,6 @@
 //! What `solve` and `track` need of a model: the module, the pressures that may be used, the pose at given pressures.
 
-use crate::{failure::Failure, values::Values};
+use crate::{failure::Failure, tip_model::TipModel, values::Values};
 use actuator::units::KPA;
 use control::Bounds;
 use rom::{Model, ModuleModel, PoseModel};
@@ -24,8 +24,8 @@ pub fn module_of<'m>(model: &'m Model, path: &Path) -> Result<Steered<'m>, Failu
 
 impl<'m> Steered<'m> {
     /// Pressures to pose.
-    pub fn pose_model(&self) -> &'m ModuleModel {
-        self.module
+    pub fn tip(&self) -> TipModel<'m> {
+        TipModel::new(self.module)
     }
 
     /// The module.

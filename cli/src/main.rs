@@ -1,10 +1,12 @@
 //! From the drawing of a FREE actuator to its controller: the binary `freeact`.
 
+mod base_model;
 mod command;
 mod content;
 mod exit;
 mod failure;
 mod goal;
+mod identify_report;
 mod interrupt;
 mod map_csv;
 mod map_file;
@@ -20,6 +22,7 @@ mod solution;
 mod solve_log;
 mod sweep;
 mod table;
+mod tip_model;
 mod values;
 
 use clap::{CommandFactory, FromArgMatches, Parser};

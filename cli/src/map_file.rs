@@ -35,6 +35,16 @@ impl MapFile {
         }
     }
 
+    /// The map of a module, which it must be.
+    pub fn into_module(self) -> Result<ModuleMap, Failure> {
+        match self {
+            MapFile::Module(map) => Ok(map),
+            MapFile::Free(_) => {
+                Err(Failure::file("this is the map of a FREE, where that of a module is needed"))
+            }
+        }
+    }
+
     /// Name and text of the description it was made from.
     pub fn source(&self) -> &(String, String) {
         match self {
@@ -185,7 +195,7 @@ pub mod samples {
         let axis: Vec<f64> = (0..4).map(|i| f64::from(i) * 50e3 / 3.0).collect();
         let pressures = vec![axis; module.frees.len()];
         let mut map = ModuleMap {
-            parameters: vec![],
+            parameters: vec![MapParameter::Payload],
             states: vec![],
             checks: vec![],
             limit_pressures: vec![None; module.frees.len()],
@@ -206,7 +216,7 @@ pub mod samples {
                 chart.position[1] -= 1.5 * placed.position[1] * q;
                 chart.position[2] += 0.003 * q;
             }
-            ModuleState { chart, slopes: vec![], negative_pivots: 0, residual: 1e-12 }
+            ModuleState { chart, slopes: vec![[1e-3; 6]], negative_pivots: 0, residual: 1e-12 }
         };
         map.states = (0..map.node_count()).map(|node| Some(state(map.node_pressures(node)))).collect();
         map

@@ -1,8 +1,8 @@
 //! Sweeps of finite elements, told of, saved as they go, and stopped by Ctrl-C.
 
-use crate::{failure::Failure, interrupt, map_file::MapFile, progress::Progress, table::short};
-use actuator::{Free, FreeMap, Rig, units::DEG, units::MPA};
-use fe::{FreeSweep, FreeSweepReport, Run, Shard};
+use crate::{exit::Exit, failure::Failure, interrupt, map_file::MapFile, progress::Progress, table::short};
+use actuator::{Free, FreeMap, Module, ModuleMap, Rig, units::DEG, units::KPA, units::MPA};
+use fe::{FreeSweep, FreeSweepReport, ModuleSweep, ModuleSweepReport, Run, Shard};
 use std::{
     path::Path,
     time::{Duration, Instant},
@@ -43,7 +43,20 @@ impl Sweeping<'_> {
         let mut checkpoint = |map: &FreeMap| saver.save(|| MapFile::Free(map.clone()));
         let report = sweep.fill(map, self.shard, &run, &mut checkpoint).map_err(Failure::file)?;
         saver.outcome?;
-        Ok(told_of(&report))
+        Ok(told_of_free(&report))
+    }
+
+    /// Computes what is missing of a module's map.
+    pub fn module(&self, sweep: &ModuleSweep, map: &mut ModuleMap) -> Result<Swept, Failure> {
+        let bar = Progress::bar("computing rows of states");
+        let told = |done, total| bar.at(done, total);
+        let run = Run { jobs: self.jobs, progress: &told, stop: interrupt::flag() };
+        let mut saver = Saver::new(self.save);
+        let mut checkpoint = |map: &ModuleMap| saver.save(|| MapFile::Module(map.clone()));
+        let report = sweep.fill(map, self.shard, &run, &mut checkpoint);
+        let report = report.map_err(|error| Failure::new(Exit::NotConverged, error))?;
+        saver.outcome?;
+        Ok(told_of_module(&report))
     }
 }
 
@@ -67,7 +80,7 @@ impl<'a> Saver<'a> {
     }
 }
 
-fn told_of(report: &FreeSweepReport) -> Swept {
+fn told_of_free(report: &FreeSweepReport) -> Swept {
     let failed = report.failed.iter().map(|failed| {
         let angle = short(failed.free.winding.angle_from_hoop() / DEG);
         let modulus = short(failed.free.elastomer.shear_modulus() / MPA);
@@ -82,11 +95,65 @@ pub fn processors() -> usize {
 }
 
 /// Limit pressure (Pa) of a FREE, where it has one.
-pub fn limit_pressure(free: &Free) -> Result<Option<f64>, Failure> {
+fn limit_pressure(free: &Free) -> Result<Option<f64>, Failure> {
     let path = fe::SectionSolver::new(free, fe::SectionMesh::default())
         .and_then(|mut solver| solver.path(&[0.0], 0));
-    path.map(|path| path.limit_pressure())
-        .map_err(|error| Failure::new(crate::exit::Exit::NotConverged, error))
+    path.map(|path| path.limit_pressure()).map_err(|error| Failure::new(Exit::NotConverged, error))
+}
+
+/// Pressures per FREE that make a map of about 2500 nodes.
+pub fn usual_nodes(frees: usize) -> usize {
+    match frees {
+        0..=1 => 41,
+        2 => 21,
+        3 => 11,
+        4 => 7,
+        5 => 5,
+        _ => 4,
+    }
+}
+
+/// Share of a limit pressure up to which a module is mapped: nearer to it the poses change ever faster.
+const BELOW_LIMIT: f64 = 0.9;
+
+/// What computes a module's map, and the empty map: `nodes` pressures per FREE from zero to `greatest` (Pa), but no nearer to the
+/// FREE's limit pressure than nine tenths of it, placed as a spline likes them.
+pub fn plan_module(
+    rig: &Rig,
+    module: &Module,
+    greatest: &[f64],
+    nodes: usize,
+    sweep: &ModuleSweep,
+) -> Result<ModuleMap, Failure> {
+    let mut pressures: Vec<Vec<f64>> = Vec::new();
+    let mut known: Vec<(Free, Option<f64>)> = Vec::new();
+    for (placed, greatest) in module.frees.iter().zip(greatest) {
+        // Neither length nor hand changes the limit pressure.
+        let mut alike = placed.free;
+        alike.tube.length = 1.0;
+        alike.winding.handedness = actuator::Handedness::Right;
+        let limit = match known.iter().find(|(free, _)| *free == alike) {
+            Some((_, limit)) => *limit,
+            None => {
+                let limit = limit_pressure(&alike).map_err(|failure| failure.about(&rig.path))?;
+                known.push((alike, limit));
+                limit
+            }
+        };
+        let greatest = limit.map_or(*greatest, |limit| greatest.min(BELOW_LIMIT * limit));
+        pressures.push(rom::recommended_pressure_nodes(greatest, limit, nodes));
+    }
+    let source = (rig.name.clone(), rig.text.clone());
+    let planned = sweep.empty_map(module.clone(), rig.limits.clone(), pressures, source);
+    planned.map_err(|error| Failure::file(error).about(&rig.path))
+}
+
+fn told_of_module(report: &ModuleSweepReport) -> Swept {
+    let failed = report.failed.iter().map(|failed| {
+        let pressures: Vec<String> = failed.pressures.iter().map(|pressure| short(pressure / KPA)).collect();
+        format!("at {} kPa: {}", pressures.join(", "), failed.error)
+    });
+    Swept { failed: failed.collect() }
 }
 
 /// An empty map of a FREE over the given axes (SI).

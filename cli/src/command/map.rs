@@ -10,10 +10,10 @@ use crate::{
     values::Values,
 };
 use actuator::{
-    Description, Free, FreeMap, Rig,
+    Description, Free, FreeMap, Module, ModuleMap, Rig,
     units::{DEG, KPA, MPA},
 };
-use fe::FreeSweep;
+use fe::{FreeSweep, ModuleSweep};
 use serde_json::json;
 use std::{path::PathBuf, str::FromStr, time::Instant};
 
@@ -139,6 +139,7 @@ fn winding_angles(text: &str) -> Result<Values, String> {
 /// A map with nothing computed, and what computes it.
 enum Plan {
     Free(FreeSweep, FreeMap),
+    Module(ModuleSweep, ModuleMap),
 }
 
 impl Map {
@@ -153,6 +154,11 @@ impl Map {
                 map = self.resumed(MapFile::Free(map))?.into_free()?;
                 let swept = sweeping.free(&sweep, &mut map)?;
                 (MapFile::Free(map), swept)
+            }
+            Plan::Module(sweep, mut map) => {
+                map = self.resumed(MapFile::Module(map))?.into_module()?;
+                let swept = sweeping.module(&sweep, &mut map)?;
+                (MapFile::Module(map), swept)
             }
         };
         map.sort_checks();
@@ -182,7 +188,14 @@ impl Map {
                 usage("--nodes is for modules; a FREE's pressures are set by --pressure-step-kpa")
             }
             (Description::Free(free), _) => self.plan_free(rig, *free),
-            (Description::Module(_), _) => Err(Failure::refused("modules cannot be mapped in this version")),
+            (Description::Module(_), _)
+                if self.winding_angles.is_some() || self.shear_moduli_mpa.is_some() =>
+            {
+                usage(
+                    "--winding-angles and --shear-moduli-mpa are for single FREEs; a module has those of its description",
+                )
+            }
+            (Description::Module(module), _) => self.plan_module(rig, module),
         }
     }
 
@@ -210,6 +223,28 @@ impl Map {
         Ok(Plan::Free(sweep, map))
     }
 
+    fn plan_module(&self, rig: &Rig, module: &Module) -> Result<Plan, Failure> {
+        let mut sweep = ModuleSweep { seed: self.seed, ..ModuleSweep::default() };
+        sweep.checks = self.checks.unwrap_or(sweep.checks);
+        let nodes = self.nodes.map_or_else(|| sweep::usual_nodes(module.frees.len()), |nodes| nodes as usize);
+        let greatest =
+            rig.limits.pressure_max.iter().map(|own| self.pressure_max_kpa.map_or(*own, |kpa| kpa * KPA));
+        let greatest: Vec<f64> = greatest.collect();
+        let map = sweep::plan_module(rig, module, &greatest, nodes, &sweep)?;
+        for (free, (wanted, axis)) in greatest.iter().zip(&map.pressures).enumerate() {
+            let last = axis.last().copied().unwrap_or(0.0);
+            if last < *wanted {
+                eprintln!(
+                    "FREE {}: mapped to {} kPa instead of {} kPa, nine tenths of its limit pressure",
+                    free + 1,
+                    short(last / KPA),
+                    short(wanted / KPA)
+                );
+            }
+        }
+        Ok(Plan::Module(sweep, map))
+    }
+
     /// The map with what an earlier run has left.
     fn resumed(&self, mut map: MapFile) -> Result<MapFile, Failure> {
         let out = self.out.display();
@@ -222,10 +257,16 @@ impl Map {
             };
         }
         if !self.resume {
-            return match MapFile::read(&self.out).map(|earlier| earlier.computed()) {
-                Ok((computed, nodes)) if computed < nodes => Err(Failure::refused(format!(
-                    "{out} holds {computed} of {nodes} nodes of an unfinished map; give --resume to complete it, or remove it"
-                ))),
+            // An unfinished map of this very sweep may hold hours of work; anything else is replaced, as everywhere.
+            return match MapFile::read(&self.out) {
+                Ok(earlier)
+                    if map.difference(&earlier).is_none() && earlier.computed().0 < earlier.computed().1 =>
+                {
+                    let (computed, nodes) = earlier.computed();
+                    Err(Failure::refused(format!(
+                        "{out} holds {computed} of {nodes} nodes of this sweep; give --resume to complete it, or remove it"
+                    )))
+                }
                 _ => Ok(map),
             };
         }

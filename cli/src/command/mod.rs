@@ -1,6 +1,7 @@
 //! The commands, one file each.
 
-mod fit;
+pub mod fit;
+mod identify;
 mod import;
 mod inspect;
 mod map;
@@ -24,6 +25,7 @@ pub enum Command {
     Track(track::Track),
     Replay(replay::Replay),
     Import(import::Import),
+    Identify(identify::Identify),
 }
 
 impl Command {
@@ -39,6 +41,7 @@ impl Command {
             Command::Track(track) => track.run(json),
             Command::Replay(replay) => replay.run(json),
             Command::Import(import) => import.run(json),
+            Command::Identify(identify) => identify.run(json),
         }
     }
 }

@@ -94,8 +94,8 @@ impl Predict {
         let mut head = columns.names.clone();
         head.extend([map_csv::POSE_HEADER.to_owned(), "status".to_owned()]);
         let mut predictions = Predictions::under(&head);
-        let module = goal::module_of(model, &self.model)?.pose_model();
-        let mut into = module.workspace();
+        let module = goal::module_of(model, &self.model)?.tip();
+        let mut into = rom::PoseEvaluation::new(frees, 0);
         for row in &columns.rows {
             let pressures: Vec<f64> = row[first..].iter().map(|kpa| kpa * KPA).collect();
             let answer = module.evaluate(&pressures, &mut into);

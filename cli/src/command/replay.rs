@@ -11,7 +11,7 @@ use crate::{
 };
 use actuator::units::{KPA, MM};
 use control::Solver;
-use record::{Log, SolveRecord, read_mcap};
+use record::{FindingKind, Log, SolveRecord, read_mcap};
 use rom::Model;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -71,10 +71,9 @@ impl Replay {
             value["first_difference_s"] = json!(replayed.different.first());
             output::print_json(&value);
         } else {
-            let findings = match log.findings.is_empty() {
-                true => String::new(),
-                false => format!("  {}\n", log.findings.to_string().replace('\n', "\n  ")),
-            };
+            // That a run without sensors recorded nothing measured is no news.
+            let news = log.findings.list.iter().filter(|finding| finding.kind != FindingKind::NotRecorded);
+            let findings: String = news.map(|finding| format!("  {}\n", finding.message)).collect();
             output::print(&format!(
                 "{}: {}\n  {}\n{}{findings}",
                 self.log.display(),
@@ -115,7 +114,8 @@ pub fn recompute(log: &Log, model: &Model, path: &Path) -> Result<Replayed, Fail
         )));
     }
     let steered = goal::module_of(model, path)?;
-    let mut solver = Solver::new(steered.pose_model());
+    let tip = steered.tip();
+    let mut solver = Solver::new(&tip);
     let mut replayed = Replayed { statistics: RunStatistics::default(), different: Vec::new() };
     let progress = Progress::bar("replaying");
     for solve in &log.solves {
@@ -171,8 +171,8 @@ pub fn page(log: &Log, replayed: &Replayed) -> Result<Page, Failure> {
     page.section("The log");
     let counts = log.message_counts.iter().map(|(topic, count)| vec![topic.clone(), count.to_string()]);
     page.table(&["<topic", "messages"], &counts.collect::<Vec<_>>());
-    for line in log.findings.to_string().lines() {
-        page.paragraph(line);
+    for finding in log.findings.list.iter().filter(|finding| finding.kind != FindingKind::NotRecorded) {
+        page.paragraph(&finding.message);
     }
     Ok(page)
 }

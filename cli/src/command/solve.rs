@@ -95,7 +95,8 @@ impl Solve {
         };
         let bounds = module.bounds(self.limit_margin_kpa * KPA)?;
         let input = SolveInput { preference: self.prefer.into(), from, ..SolveInput::new(target, bounds) };
-        let mut solver = Solver::new(module.pose_model());
+        let tip = module.tip();
+        let mut solver = Solver::new(&tip);
         let start = Instant::now();
         let found = solver.solve(&input);
         let seconds = start.elapsed().as_secs_f64();

@@ -125,8 +125,9 @@ impl Run<'_> {
     pub fn follow(&self, model: &Model, trajectory: &Trajectory) -> Result<RunStatistics, Failure> {
         let steered = goal::module_of(model, self.model_path)?;
         let from = goal::pressures(self.from, model.frees(), "--from-kpa")?;
+        let tip = steered.tip();
         let mut tracker = Tracker::new(
-            steered.pose_model(),
+            &tip,
             steered.bounds(self.margin)?,
             self.preference,
             Tolerance::default(),

@@ -5,6 +5,8 @@ mod map;
 mod model;
 mod recording;
 
+pub use model::link;
+
 use crate::{failure::Failure, map_file::MapFile, plot::Chart, recordings};
 use actuator::{Rig, artefact};
 use std::path::Path;

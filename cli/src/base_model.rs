@@ -1,0 +1,104 @@
+//! The model of a rig from its description alone, computed by finite elements and kept for the next time.
+
+use crate::{
+    command::fit,
+    failure::Failure,
+    interrupt,
+    map_file::MapFile,
+    sweep::{self, Sweeping},
+};
+use actuator::{Description, Free, Rig, units::DEG};
+use fe::{FreeSweep, ModuleSweep};
+use rom::Model;
+use std::path::Path;
+
+/// Pressures beyond the rig's greatest that a rubber softer than described answers as if it stood under them.
+const BEYOND: f64 = 1.3;
+/// Winding angles about the description's own, degrees: hand winding errs by 1 to 3.
+const ANGLES: [f64; 7] = [-6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0];
+/// Shear moduli as factors of the description's own: rubber, wall and coating act alike.
+const MODULI: [f64; 7] = [0.5, 0.65, 0.82, 1.0, 1.2, 1.4, 1.6];
+/// Pressures of a FREE's map.
+const PRESSURES: usize = 40;
+
+/// The model of a rig, from `directory` where an earlier run left it there, made and left there otherwise.
+pub fn of(rig: &Rig, directory: &Path) -> Result<Model, Failure> {
+    let (map_path, model_path) = (directory.join("base.map"), directory.join("base.model"));
+    if let Ok(model) = Model::read(&model_path) {
+        let provenance = &model.provenance;
+        if provenance.description_text == rig.text && provenance.program_version == env!("CARGO_PKG_VERSION")
+        {
+            return Ok(model);
+        }
+    }
+    let map = map(rig, &map_path)?;
+    map.write(&map_path)?;
+    let model = fit::fit(&map).map_err(|failure| failure.about(&rig.path))?;
+    model.write(&model_path)?;
+    Ok(model)
+}
+
+/// The map that identification needs; saved as it grows.
+fn map(rig: &Rig, save: &Path) -> Result<MapFile, Failure> {
+    let sweeping = Sweeping { save: Some(save), ..Sweeping::whole() };
+    let (map, swept) = match &rig.description {
+        Description::Free(free) => {
+            let sweep = FreeSweep::default();
+            let axes = free_axes(free, rig.limits.pressure_max[0]);
+            let mut map = sweep::plan_free(&sweep, rig, *free, axes)?;
+            let swept = sweeping.free(&sweep, &mut map)?;
+            (MapFile::Free(map), swept)
+        }
+        Description::Module(module) => {
+            let greatest: Vec<f64> =
+                rig.limits.pressure_max.iter().map(|pressure| pressure * BEYOND).collect();
+            let nodes = sweep::usual_nodes(module.frees.len());
+            let sweep = ModuleSweep::default();
+            let mut map = sweep::plan_module(rig, module, &greatest, nodes, &sweep)?;
+            let swept = sweeping.module(&sweep, &mut map)?;
+            (MapFile::Module(map), swept)
+        }
+    };
+    if interrupt::is_asked() {
+        return Err(Failure::interrupted());
+    }
+    match swept.failed.first() {
+        None => Ok(map),
+        Some(first) => Err(Failure::new(
+            crate::exit::Exit::NotConverged,
+            format!(
+                "{}: {} states of the base map did not converge, first {first}; make a map over smaller pressures with \
+                 `freeact map`, fit it and give it by --model",
+                rig.path.display(),
+                swept.failed.len()
+            ),
+        )),
+    }
+}
+
+fn free_axes(free: &Free, greatest: f64) -> [Vec<f64>; 3] {
+    let angle = free.winding.angle_from_hoop();
+    let angles = ANGLES.iter().map(|degrees| angle + degrees * DEG);
+    let angles = angles.filter(|angle| (DEG..=89.5 * DEG).contains(angle)).collect();
+    let modulus = free.elastomer.shear_modulus();
+    let last = BEYOND * greatest;
+    let pressures = (0..=PRESSURES).map(|i| last * i as f64 / PRESSURES as f64).collect();
+    [angles, MODULI.iter().map(|factor| factor * modulus).collect(), pressures]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map_file::samples;
+
+    #[test]
+    fn the_axes_hold_the_description_and_its_neighbourhood() {
+        let free = samples::free_map().free;
+        let [angles, moduli, pressures] = free_axes(&free, 50e3);
+        assert!(angles.iter().any(|angle| *angle == free.winding.angle_from_hoop()) && angles.len() == 7);
+        assert!(moduli.contains(&free.elastomer.shear_modulus()));
+        assert_eq!((pressures[0], pressures[PRESSURES]), (0.0, 65e3));
+        let steep = free.at(88.0 * DEG, 0.4e6);
+        assert!(free_axes(&steep, 50e3)[0].iter().all(|angle| *angle <= 89.5 * DEG));
+    }
+}
