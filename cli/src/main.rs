@@ -18,6 +18,7 @@ mod recordings;
 mod report;
 mod run_statistics;
 mod shape;
+mod simulated_rig;
 mod solution;
 mod solve_log;
 mod sweep;

@@ -1,5 +1,6 @@
 //! The commands, one file each.
 
+mod demo;
 pub mod fit;
 mod identify;
 mod import;
@@ -16,6 +17,7 @@ use crate::failure::Outcome;
 /// What freeact can do.
 #[derive(clap::Subcommand)]
 pub enum Command {
+    Demo(demo::Demo),
     Map(map::Map),
     Merge(merge::Merge),
     Inspect(inspect::Inspect),
@@ -32,6 +34,7 @@ impl Command {
     /// Runs the command; `json` asks for results as JSON.
     pub fn run(self, json: bool) -> Outcome {
         match self {
+            Command::Demo(demo) => demo.run(json),
             Command::Map(map) => map.run(json),
             Command::Merge(merge) => merge.run(json),
             Command::Inspect(inspect) => inspect.run(json),
