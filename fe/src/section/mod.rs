@@ -1,6 +1,7 @@
 //! The cross-section of a FREE on one fibre pitch: exact in length, a hundred unknowns.
 
 mod banded;
+mod element;
 mod error;
 mod kinematics;
 mod mesh;
@@ -8,6 +9,7 @@ mod newton;
 mod path;
 mod problem;
 mod solver;
+mod system;
 #[cfg(test)]
 pub(crate) mod tests;
 

@@ -1,4 +1,7 @@
-use super::problem::{Problem, State, Step, System};
+use super::{
+    problem::{Problem, State, Step},
+    system::System,
+};
 use nalgebra::{Matrix3, Vector3};
 
 /// Relative residual and volume error at which a state counts as converged. Rounding leaves 1e-12 to 1e-9, most where

@@ -1,44 +1,18 @@
 use super::{
-    banded::Banded,
+    element::{BULK_RATIO, Element},
     kinematics::{
-        Point, Rows, STRETCH, UNKNOWNS, add_determinant_tangent, cofactor, deformation_gradient,
-        enclosed_volume, fibre_stretch, pull_back,
+        Rows, STRETCH, UNKNOWNS, add_determinant_tangent, cofactor, deformation_gradient, enclosed_volume,
+        fibre_stretch, pull_back,
     },
     mesh::Grid,
+    system::System,
 };
 use crate::material::{Hyperelastic, Rubber};
 use actuator::{FibreLaw, Free};
-use nalgebra::{Matrix3, Vector3};
-
-/// Bulk modulus over the rubber's mu. The answer differs from that of an incompressible wall by about pressure/bulk modulus,
-/// a few 1e-6 in stretch, while the equations keep ten digits.
-const BULK_RATIO: f64 = 1e5;
-
-/// Abscissas and weights of Gauss's rule of three points on (-1, 1).
-const GAUSS: [(f64, f64); 3] =
-    [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
+use nalgebra::Vector3;
 
 /// Marks a nodal value that is held at zero.
-const HELD: usize = usize::MAX;
-
-/// A nine-node quadrilateral with a linear pressure of its own.
-#[derive(Clone, Debug)]
-struct Element {
-    nodes: [usize; 9],
-    points: Vec<Point>,
-    /// Points on the bore, for elements that touch it.
-    bore: Vec<Point>,
-    /// Points on the outer surface, for elements that touch it.
-    surface: Vec<Point>,
-    /// Whether the surface lies under a fibre.
-    under_fibre: bool,
-    /// Reference volume.
-    volume: f64,
-    /// M_ab, the integral of the products of the pressure functions.
-    mass: Matrix3<f64>,
-    /// Bulk modulus times the inverse of M.
-    bulk: Matrix3<f64>,
-}
+pub(crate) const HELD: usize = usize::MAX;
 
 /// The section of one FREE (right-handed) in units of its outer radius B and its mu: pressures and stresses in mu, forces in
 /// mu B^2, torques in mu B^3, energies per length in mu B^2.
@@ -51,11 +25,11 @@ pub(crate) struct Problem {
     /// Energy of the fibres is `fibre_weight` integral of (stretch - 1)^2/2 over the covered angles of one piece.
     fibre_weight: f64,
     fibre_law: FibreLaw,
-    elements: Vec<Element>,
+    pub elements: Vec<Element>,
     /// Unknown of each nodal value (3 a node: r, phi, w), or [`HELD`].
-    unknown: Vec<usize>,
+    pub unknown: Vec<usize>,
     pub order: usize,
-    bandwidth: usize,
+    pub bandwidth: usize,
 }
 
 /// Everything that describes a state of the section.
@@ -87,101 +61,9 @@ impl State {
     }
 }
 
-/// The equations linearised at a state, with lambda, psi and the pressure as a border.
-///
-/// The potential is P = W + q.g - q.M q/(2 K) - p V with g the integral of (J - 1) times the pressure functions; P is
-/// stationary in the nodal values and q. The q are condensed element by element.
-#[derive(Clone, Debug)]
-pub(crate) struct System {
-    pub stiffness: Banded,
-    /// dP/d(unknown).
-    pub residual: Vec<f64>,
-    /// The same after condensing the q, which vanishes with `residual` and `dilation`.
-    pub right: Vec<f64>,
-    /// Sum of the magnitudes of the elements' shares in `residual`.
-    magnitude: Vec<f64>,
-    /// Second derivatives by an unknown and by lambda, psi, p.
-    pub columns: [Vec<f64>; 3],
-    /// Second derivatives by lambda, psi, p.
-    pub corner: [[f64; 3]; 3],
-    /// dP/dlambda and dP/dpsi.
-    pub global_residual: [f64; 2],
-    /// The same after condensing the q.
-    pub global_right: [f64; 2],
-    /// P.
-    pub energy: f64,
-    /// Enclosed volume per length.
-    pub volume: f64,
-    /// Largest mean of an element's volume equation: how far the volume is from what the pressure says.
-    pub dilation: f64,
-    rows: Vec<VolumeRows>,
-}
-
-/// An element's volume equations: derivatives by its unknowns, and values.
-#[derive(Clone, Debug)]
-struct VolumeRows {
-    by_unknown: Rows<3>,
-    values: Vector3<f64>,
-}
-
 /// A radius or the volume ratio is not positive somewhere, or a number is not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Inverted;
-
-fn lagrange(at: f64) -> ([f64; 3], [f64; 3]) {
-    ([0.5 * at * (at - 1.0), 1.0 - at * at, 0.5 * at * (at + 1.0)], [at - 0.5, -2.0 * at, at + 0.5])
-}
-
-/// Shape functions at local coordinates (around, through) in -1..1 of the element between the given lines of nodes.
-fn point(angles: &[f64], radii: &[f64], around: f64, through: f64, weight: f64) -> Point {
-    let (half_angle, half_width) = (0.5 * (angles[2] - angles[0]), 0.5 * (radii[2] - radii[0]));
-    let ((na, da), (nr, dr)) = (lagrange(around), lagrange(through));
-    let each = |f: &dyn Fn(usize, usize) -> f64| std::array::from_fn(|node| f(node / 3, node % 3));
-    Point {
-        radius: radii[1] + half_width * through,
-        weight,
-        values: each(&|i, j| na[i] * nr[j]),
-        by_radius: each(&|i, j| na[i] * dr[j] / half_width),
-        by_angle: each(&|i, j| da[i] * nr[j] / half_angle),
-        linear: [1.0, around, through],
-    }
-}
-
-impl Element {
-    fn new(grid: &Grid, i: usize, j: usize, unique: impl Fn(usize) -> usize) -> Self {
-        let angles = &grid.angles[2 * i..2 * i + 3];
-        let radii = &grid.radii[2 * j..2 * j + 3];
-        let (half_angle, half_width) = (0.5 * (angles[2] - angles[0]), 0.5 * (radii[2] - radii[0]));
-        let mut points = Vec::with_capacity(9);
-        for (around, wa) in GAUSS {
-            for (through, wt) in GAUSS {
-                let mut point = point(angles, radii, around, through, 0.0);
-                point.weight = grid.pieces * wa * half_angle * wt * half_width * point.radius;
-                points.push(point);
-            }
-        }
-        let edge = |through: f64, touches: bool| -> Vec<Point> {
-            let points =
-                GAUSS.iter().map(|&(a, w)| point(angles, radii, a, through, grid.pieces * w * half_angle));
-            if touches { points.collect() } else { Vec::new() }
-        };
-        let mass = points.iter().fold(Matrix3::zeros(), |sum, point| {
-            let n = Vector3::from(point.linear);
-            sum + point.weight * n * n.transpose()
-        });
-        Element {
-            nodes: std::array::from_fn(|n| unique(grid.node(2 * i + n / 3, 2 * j + n % 3))),
-            bore: edge(-1.0, j == 0),
-            surface: edge(1.0, j + 1 == grid.elements_through()),
-            under_fibre: grid.under_fibre[i],
-            volume: mass[(0, 0)],
-            mass,
-            // The mass is positive definite: a Gram matrix of independent functions.
-            bulk: BULK_RATIO * mass.try_inverse().unwrap_or_default(),
-            points,
-        }
-    }
-}
 
 impl Problem {
     pub fn new(free: &Free, grid: Grid) -> Self {
@@ -248,26 +130,6 @@ impl Problem {
             }
         }
         State { nodes, multipliers: vec![[0.0; 3]; self.elements.len()], globals: [1.0, 0.0, 0.0] }
-    }
-
-    pub fn system(&self) -> System {
-        System {
-            stiffness: Banded::new(self.order, self.bandwidth),
-            residual: vec![0.0; self.order],
-            right: vec![0.0; self.order],
-            magnitude: vec![0.0; self.order],
-            columns: std::array::from_fn(|_| vec![0.0; self.order]),
-            corner: [[0.0; 3]; 3],
-            global_residual: [0.0; 2],
-            global_right: [0.0; 2],
-            energy: 0.0,
-            volume: 0.0,
-            dilation: 0.0,
-            rows: vec![
-                VolumeRows { by_unknown: [[0.0; 32]; 3], values: Vector3::zeros() };
-                self.elements.len()
-            ],
-        }
     }
 
     fn gather(&self, element: &Element, nodes: &[f64], globals: &[f64; 3]) -> [f64; UNKNOWNS] {
@@ -439,89 +301,4 @@ impl Step {
 fn scale(factor: f64, gradient: &mut [f64; 9], hessian: &mut [[f64; 9]; 9]) {
     gradient.iter_mut().for_each(|value| *value *= factor);
     hessian.iter_mut().flatten().for_each(|value| *value *= factor);
-}
-
-impl System {
-    fn clear(&mut self) {
-        self.stiffness.clear();
-        for vector in [&mut self.residual, &mut self.right, &mut self.magnitude] {
-            vector.fill(0.0);
-        }
-        self.columns.iter_mut().for_each(|column| column.fill(0.0));
-        self.corner = [[0.0; 3]; 3];
-        self.global_residual = [0.0; 2];
-        self.global_right = [0.0; 2];
-        (self.energy, self.volume, self.dilation) = (0.0, 0.0, 0.0);
-    }
-
-    /// Condenses an element's pressure and adds the element to the whole.
-    #[allow(clippy::too_many_arguments)]
-    fn accumulate(
-        &mut self,
-        problem: &Problem,
-        element: &Element,
-        index: usize,
-        pressure: f64,
-        mut gradient: [f64; UNKNOWNS],
-        volume_gradient: [f64; UNKNOWNS],
-        mut hessian: Rows<UNKNOWNS>,
-    ) {
-        // K du + B^T dq = -R and B du - M dq/K_bulk = -h give dq = K_bulk M^-1 (h + B du).
-        let rows = &self.rows[index];
-        self.dilation = self.dilation.max(rows.values.amax() / element.volume);
-        let lifted = element.bulk * rows.values;
-        let mut right = gradient;
-        for a in 0..3 {
-            let mut weighted = [0.0; 32];
-            for b in 0..3 {
-                for (entry, value) in weighted.iter_mut().zip(&rows.by_unknown[b]) {
-                    *entry += element.bulk[(a, b)] * value;
-                }
-            }
-            for i in 0..UNKNOWNS {
-                let value = rows.by_unknown[a][i];
-                right[i] += lifted[a] * value;
-                for (entry, other) in hessian[i].iter_mut().zip(&weighted) {
-                    *entry += value * other;
-                }
-            }
-        }
-        for i in 0..UNKNOWNS {
-            gradient[i] -= pressure * volume_gradient[i];
-            right[i] -= pressure * volume_gradient[i];
-        }
-
-        let unknown = |i: usize| problem.unknown[3 * element.nodes[i / 3] + i % 3];
-        for i in (0..STRETCH).filter(|i| unknown(*i) != HELD) {
-            let row = unknown(i);
-            self.residual[row] += gradient[i];
-            self.right[row] += right[i];
-            self.magnitude[row] += gradient[i].abs() + (pressure * volume_gradient[i]).abs();
-            self.columns[0][row] += hessian[i][STRETCH];
-            self.columns[1][row] += hessian[i][STRETCH + 1];
-            self.columns[2][row] -= volume_gradient[i];
-            for (j, value) in hessian[i][..STRETCH].iter().enumerate() {
-                let column = unknown(j);
-                if column <= row {
-                    self.stiffness.add(row, column, *value);
-                }
-            }
-        }
-        for a in 0..2 {
-            let i = STRETCH + a;
-            self.global_residual[a] += gradient[i];
-            self.global_right[a] += right[i];
-            self.corner[a][0] += hessian[i][STRETCH];
-            self.corner[a][1] += hessian[i][STRETCH + 1];
-            self.corner[a][2] -= volume_gradient[i];
-            self.corner[2][a] -= volume_gradient[i];
-        }
-    }
-
-    /// Norm of the residual over that of the elements' shares in it; forces below
-    /// 1e-3 mu B^2 (a pressure of some 1e-4 mu) are measured against that.
-    pub fn relative_residual(&self) -> f64 {
-        let norm = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>().sqrt();
-        norm(&self.residual) / (norm(&self.magnitude) + 1e-3)
-    }
 }
