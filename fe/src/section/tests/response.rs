@@ -138,3 +138,20 @@ fn beyond_ballooning_an_error_says_where_the_last_good_state_is() {
     // And the solver goes on.
     assert!(solver.respond(10e3, 1.0, 0.0).is_ok());
 }
+
+#[test]
+fn a_long_jump_does_not_end_on_an_unstable_branch() {
+    // Threads wound tight on a tube without pressure squeeze it; Newton's method from rest finds a second equilibrium here, whose
+    // stiffness has a negative pivot. A walk in short steps shows which one is stable.
+    let free = tension_only(free(40.0));
+    let (stretch, twist) = (0.976_384_556_6, 37.323_111_56);
+    let direct = solver(&free, SectionMesh::default()).respond(0.0, stretch, twist).unwrap();
+    let mut walker = solver(&free, SectionMesh::default());
+    let mut walked = direct;
+    for step in 1..=16 {
+        let share = f64::from(step) / 16.0;
+        walked = walker.respond(0.0, 1.0 + share * (stretch - 1.0), share * twist).unwrap();
+    }
+    assert!((direct.force - walked.force).abs() < 1e-6 && (direct.torque - walked.torque).abs() < 1e-8);
+    assert!((direct.torque - 0.02).abs() < 1e-7, "{direct:?}");
+}
