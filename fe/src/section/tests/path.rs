@@ -10,6 +10,14 @@ fn a_mirrored_winding_twists_the_other_way() {
     let (a, b) = (states(&right, COARSE, &[30.0]).0[0], states(&left, COARSE, &[30.0]).0[0]);
     assert!(a[2] < -1.0, "a right-handed FREE of 30 deg turns negative");
     assert_eq!([a[0], a[1], -a[2]], b);
+    let loaded = |free: &Free, torque| {
+        solver(free, COARSE).path_under(SectionLoad { force: 1.0, torque }, &[30e3], 0).unwrap().states[1]
+    };
+    let (a, b) = (loaded(&right, 0.005), loaded(&left, -0.005));
+    assert_eq!(
+        [a.axial_stretch, a.expansion, -a.twist_per_length],
+        [b.axial_stretch, b.expansion, b.twist_per_length]
+    );
 }
 
 /// A state without symmetry or equilibrium, some thread in compression.
