@@ -1,20 +1,35 @@
 //! What `solve` and `track` need of a model: the module, the pressures that may be used, the pose at given pressures.
 
-use crate::{failure::Failure, tip_model::TipModel, values::Values};
+use crate::{
+    failure::Failure,
+    tip_model::{self, TipModel},
+    values::Values,
+};
 use actuator::units::KPA;
 use control::Bounds;
-use rom::{Model, ModuleModel, PoseModel};
+use rom::{Model, ModuleModel, PoseModel, effect::Chain};
 use std::path::Path;
 
 /// The module of a model, ready to be steered.
 pub struct Steered<'m> {
     module: &'m ModuleModel,
+    effects: &'m Chain,
 }
 
 /// The module of a model; `path` is for messages.
 pub fn module_of<'m>(model: &'m Model, path: &Path) -> Result<Steered<'m>, Failure> {
     match model.as_module() {
-        Some(module) => Ok(Steered { module }),
+        Some(module) => {
+            let left_out = tip_model::left_out(&model.effects);
+            if !left_out.is_empty() {
+                eprintln!(
+                    "{}: {} left out, as a pose that is held does not depend on it",
+                    path.display(),
+                    left_out.join(", ")
+                );
+            }
+            Ok(Steered { module, effects: &model.effects })
+        }
         None => Err(Failure::usage(format!(
             "{}: is the model of a single FREE, which has no tip pose to steer; give the model of a module",
             path.display()
@@ -25,7 +40,7 @@ pub fn module_of<'m>(model: &'m Model, path: &Path) -> Result<Steered<'m>, Failu
 impl<'m> Steered<'m> {
     /// Pressures to pose.
     pub fn tip(&self) -> TipModel<'m> {
-        TipModel::new(self.module)
+        TipModel::new(self.module, self.effects)
     }
 
     /// The module.
@@ -45,9 +60,9 @@ impl<'m> Steered<'m> {
 
     /// Pressures that may be used, with a margin (Pa) to limit pressures beyond the model's own.
     pub fn bounds(&self, margin: f64) -> Result<Bounds, Failure> {
-        let (domain, limits) = (self.module.domain(), self.module.limits());
-        Bounds::new(domain, limits, self.module.limit_pressures(), margin)
-            .map_err(|error| Failure::refused(error.to_string()))
+        let tip = self.tip();
+        let bounds = Bounds::new(tip.domain(), self.module.limits(), &tip.limit_pressures(), margin);
+        bounds.map_err(|error| Failure::refused(error.to_string()))
     }
 }
 

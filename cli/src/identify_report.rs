@@ -279,3 +279,78 @@ fn sparse(points: Vec<(f64, f64)>, most: usize) -> Vec<(f64, f64)> {
     let stride = points.len().div_ceil(most.max(1)).max(1);
     points.into_iter().step_by(stride).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::check_tags;
+    use identify::{FoundEffect, Residual};
+    use rom::effect::{Chain, Link};
+
+    fn outcome(channels: usize) -> Outcome {
+        let errors = Errors { position_rms_mm: Some(1.0), rotation_rms_deg: Some(2.0), ..Errors::default() };
+        let stages = Stages { before: errors, calibrated: errors, after: errors, noise: errors };
+        let effect = FoundEffect {
+            name: "supply_lag".into(),
+            link: Link::Supply,
+            frees: vec![1, 2],
+            parameters: [("time_constant_s".to_owned(), Estimated { value: 0.3, ci95: [0.2, 0.4] })].into(),
+            indistinguishable_from: vec!["delay".into()],
+            gain_held_out: 0.9,
+        };
+        let verdict = Verdict {
+            verdict: Finding::Explained,
+            effects: vec![effect],
+            calibration: [("stiffness_scale".to_owned(), Estimated { value: 1.0, ci95: [0.99, 1.01] })]
+                .into(),
+            held_out: None,
+            held_out_from_command: Some(stages),
+            residual_after: Residual { white: true, structure: "noise".into() },
+            next_experiment: "none".into(),
+            findings: vec![],
+            seconds: 1.0,
+        };
+        let series = identify::Series {
+            name: "smooth".into(),
+            is_held_out: true,
+            time: vec![0.0, 1.0],
+            pressures: vec![vec![0.0, 1e3], vec![2e3, 0.0]],
+            rates: vec![vec![0.0, -5e3], vec![1e3, 0.0]],
+            before: vec![vec![1e-3, f64::NAN]; channels],
+            after: vec![vec![1e-4, 2e-4]; channels],
+        };
+        Outcome {
+            verdict,
+            chain: Chain::default(),
+            series: vec![series],
+            log: vec!["tried lag < delay".into()],
+        }
+    }
+
+    #[test]
+    fn a_verdict_is_told_with_intervals_and_confusions() {
+        let text = text(&outcome(6).verdict);
+        for words in [
+            "the model lacked supply lag",
+            "time_constant_s = 0.3000 (0.2000 to 0.4000)",
+            "90 %",
+            "delay",
+            "the command",
+        ] {
+            assert!(text.contains(words), "{words} is not in\n{text}");
+        }
+        // What was not recorded is not told.
+        assert!(!text.contains("the measured pressure") && !text.contains("twist rms"));
+    }
+
+    #[test]
+    fn the_report_is_whole_for_modules_and_frees() {
+        for (channels, charts, axis) in [(6, 1 + 2 * 3, "angle (°)"), (3, 1 + 3 * 3, "twist residual (rad)")]
+        {
+            let html = page("rig", &outcome(channels)).unwrap().html();
+            check_tags(&html);
+            assert_eq!(html.matches("<svg ").count(), charts);
+            assert!(html.contains(axis) && html.contains("tried lag &lt; delay"));
+        }
+    }
+}

@@ -5,9 +5,10 @@ use crate::{
     map_csv::{self, number},
     output,
     pressures_csv::{Columns, Wanted},
+    tip_model,
 };
 use actuator::units::{DEG, KPA, MM, MPA};
-use rom::{FreeModel, Model, ModelContent, PoseModel};
+use rom::{FreeModel, Model, ModelContent, PoseModel, effect::Chain};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -15,7 +16,7 @@ use std::path::PathBuf;
 ///
 /// The table of pressures has a header and one row a state: p1_kpa, p2_kpa, ... for a module; p1_kpa (or pressure_kpa) for a
 /// FREE, and if wanted winding_angle_deg and shear_modulus_mpa, by default the description's own. Other columns are left alone.
-/// Rows outside the model's domain get the status "outside" and no values.
+/// Effects of a corrected model act as they do at rest. Rows outside the model's domain get the status "outside" and no values.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  freeact predict --model module.model --pressures in.csv --out poses.csv")]
 pub struct Predict {
@@ -68,7 +69,7 @@ impl Predict {
         let model = Model::read(&self.model)?;
         let bytes = std::fs::read(&self.pressures).map_err(Failure::at(&self.pressures))?;
         let predictions = match &model.content {
-            ModelContent::Free(free) => self.free(free, &bytes)?,
+            ModelContent::Free(free) => self.free(free, &tip_model::at_rest(&model.effects), &bytes)?,
             ModelContent::Module(_) => self.module(&model, &bytes)?,
         };
         output::write(&predictions.text, self.out.as_deref())?;
@@ -106,7 +107,7 @@ impl Predict {
         Ok(predictions)
     }
 
-    fn free(&self, free: &FreeModel, bytes: &[u8]) -> Result<Predictions, Failure> {
+    fn free(&self, free: &FreeModel, effects: &Chain, bytes: &[u8]) -> Result<Predictions, Failure> {
         let wanted = [
             Wanted { names: &["t_s"], optional: true },
             Wanted { names: &["winding_angle_deg"], optional: true },
@@ -122,10 +123,12 @@ impl Predict {
         head.extend(own.map(str::to_owned));
         let mut predictions = Predictions::under(&head);
         for row in &columns.rows {
-            let pressure = row[row.len() - 1] * KPA;
+            let mut pressures = [row[row.len() - 1] * KPA];
+            tip_model::deform(effects, &mut pressures);
             let angle = angle.map_or(free.free().winding.angle_from_hoop(), |place| row[place] * DEG);
             let modulus = modulus.map_or(free.free().elastomer.shear_modulus(), |place| row[place] * MPA);
-            let answer = free.evaluate(pressure, angle, modulus).and_then(|state| {
+            let angle = angle + effects.winding_angle();
+            let answer = free.evaluate(pressures[0], angle, modulus).and_then(|state| {
                 let limit = free.limit_pressure(angle, modulus)?;
                 Ok(vec![
                     number(state.axial_stretch),

@@ -10,7 +10,7 @@ use crate::{
     table::{duration, short},
 };
 use actuator::units::{KPA, MM};
-use control::Solver;
+use control::{Bounds, Solver};
 use record::{FindingKind, Log, SolveRecord, read_mcap};
 use rom::Model;
 use serde_json::json;
@@ -194,9 +194,13 @@ pub fn charts(solves: &[SolveRecord]) -> Vec<(Chart, String)> {
         let points = against_time(&|solve| at(&solve.pressure, free));
         pressures = pressures.with(Series::new(format!("FREE {}", free + 1), Mark::Line, points));
     }
-    let highest = |solve: &SolveRecord| solve.pressure_max.iter().fold(0.0, |a: f64, b| a.max(*b)) / KPA;
-    let bound = Series::new("highest allowed", Mark::Dashed, against_time(&highest));
-    pressures = pressures.with(bound.coloured(6));
+    let least = |list: &[f64]| list.iter().copied().fold(f64::INFINITY, f64::min) / KPA;
+    let of_bounds = |value: fn(&Bounds) -> &Vec<f64>| {
+        against_time(&|solve| solve_log::input(solve).map_or(f64::NAN, |input| least(value(&input.bounds))))
+    };
+    pressures = pressures
+        .with(Series::new("highest allowed", Mark::Dashed, of_bounds(|bounds| &bounds.upper)).coloured(6))
+        .with(Series::new("limit", Mark::Dashed, of_bounds(|bounds| &bounds.limit)).coloured(1));
     let view = |title: &str, (across, i): (&str, usize), (up, j): (&str, usize)| {
         let path = |position: &dyn Fn(&SolveRecord) -> [f64; 3]| {
             solves.iter().map(|solve| (position(solve)[i] / MM, position(solve)[j] / MM)).collect()
@@ -213,7 +217,7 @@ pub fn charts(solves: &[SolveRecord]) -> Vec<(Chart, String)> {
     ));
     vec![
         (error, "How far the model's pose stays from what was wanted.".into()),
-        (pressures, "The highest allowed includes what the pressure rate allows in one step.".into()),
+        (pressures, "Of the FREEs' bounds and limit pressures the lowest is drawn; the limit is where a FREE gives way or the model ends.".into()),
         (view("Path seen along the axis", ("x (mm)", 0), ("y (mm)", 1)), "Base frame, millimetres.".into()),
         (view("Path from the side", ("x (mm)", 0), ("z (mm)", 2)), "Base frame, millimetres.".into()),
         (times, "Wall time, as measured when the log was made.".into()),

@@ -2,8 +2,9 @@
 
 use plotters::style::RGBColor;
 
-/// Okabe and Ito's colours, told apart by colour-blind readers; those too pale for a white page are left out.
-pub const PALETTE: [RGBColor; 7] = [
+/// Okabe and Ito's colours, told apart by colour-blind readers, darkened where too pale for a white page; a grey and a violet
+/// stand for their black and yellow, which a dark or a white page swallows.
+pub const PALETTE: [RGBColor; 8] = [
     RGBColor(0x00, 0x72, 0xB2),
     RGBColor(0xD5, 0x5E, 0x00),
     RGBColor(0x00, 0x9E, 0x73),
@@ -11,6 +12,7 @@ pub const PALETTE: [RGBColor; 7] = [
     RGBColor(0xB8, 0x86, 0x00),
     RGBColor(0x3B, 0xA3, 0xDE),
     RGBColor(0x80, 0x80, 0x80),
+    RGBColor(0x8E, 0x5B, 0xC9),
 ];
 
 /// How a series is drawn.
