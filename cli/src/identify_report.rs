@@ -13,6 +13,9 @@ use identify::{Errors, Estimated, Finding, Outcome, Stages, Verdict};
 /// Points that a curve of the report is drawn with.
 const POINTS: usize = 1200;
 
+/// Up to so many points are drawn as marks.
+const FEW: usize = 150;
+
 /// The verdict in a sentence.
 pub fn sentence(verdict: &Verdict) -> String {
     let names: Vec<&str> = verdict.effects.iter().map(|effect| effect.name.as_str()).collect();
@@ -149,8 +152,11 @@ fn calibration(verdict: &Verdict) -> Rows {
     (head(["<number", "value", "95 % interval"]), verdict.calibration.iter().map(row).collect())
 }
 
+/// Head of a column and the error in it.
+type ErrorColumn = (&'static str, fn(&Errors) -> Option<f64>);
+
 /// Errors that a kind of actuator has, with their heads.
-const ERRORS: [(&str, fn(&Errors) -> Option<f64>); 5] = [
+const ERRORS: [ErrorColumn; 5] = [
     ("position rms (mm)", |errors| errors.position_rms_mm),
     ("rotation rms (°)", |errors| errors.rotation_rms_deg),
     ("twist rms (rad)", |errors| errors.twist_rms_rad),
@@ -241,8 +247,8 @@ fn residuals(outcome: &Outcome) -> Vec<(Chart, String)> {
                 thin(points.collect(), POINTS)
             };
             let chart = Chart::new(format!("{name}, {}", series.name), "time (s)", *label)
-                .with(Series::new("calibrated", Mark::Dots, curve(&series.before)).coloured(1))
-                .with(Series::new("with effects", Mark::Dots, curve(&series.after)).coloured(0));
+                .with(scattered("calibrated", curve(&series.before)).coloured(1))
+                .with(scattered("with effects", curve(&series.after)).coloured(0));
             charts.push((chart, format!("Held-out recording \"{}\" against time.", series.name)));
         }
         let strongest = |channels: &[Vec<f64>], k: usize| {
@@ -266,12 +272,18 @@ fn residuals(outcome: &Outcome) -> Vec<(Chart, String)> {
             ("pressure rate", "pressure rate (kPa/s)", &rate),
         ] {
             let chart = Chart::new(format!("{name} against {title}"), axis, *label)
-                .with(Series::new("calibrated", Mark::Dots, against(x, false)).coloured(1))
-                .with(Series::new("with effects", Mark::Dots, against(x, true)).coloured(0));
+                .with(scattered("calibrated", against(x, false)).coloured(1))
+                .with(scattered("with effects", against(x, true)).coloured(0));
             charts.push((chart, format!("All held-out recordings; {title} is {of_which}.")));
         }
     }
     charts
+}
+
+/// Points under a name: marks that tell series apart where there are few, dots where there are many.
+fn scattered(name: &str, points: Vec<(f64, f64)>) -> Series {
+    let mark = if points.len() <= FEW { Mark::Points } else { Mark::Dots };
+    Series::new(name, mark, points)
 }
 
 /// At most about `most` of the points, evenly picked.

@@ -60,7 +60,7 @@ impl Commands {
                 let (turn, level) = ((time / 10.0) as usize, (time % 10.0 / 2.0).floor());
                 let on = match turn % 6 {
                     turn if turn < frees => free == turn,
-                    4 => free % 2 == 0,
+                    4 => free.is_multiple_of(2),
                     _ => true,
                 };
                 if on { level / 4.0 } else { 0.0 }
