@@ -10,6 +10,8 @@ use std::{fmt, fs, io, path::Path, path::PathBuf};
 const DEFAULT_FIBRE_DIAMETER_MM: f64 = 0.3;
 /// Greatest pressure (kPa) where a description gives none: the 10 psi of the paper's tests.
 const DEFAULT_PRESSURE_MAX_KPA: f64 = 68.9;
+/// Spacers where a description does not say: FREEs of a module stand closer than one diameter apart and hold each other in place.
+const DEFAULT_SPACERS: u32 = 9;
 /// Rate limit (kPa/s) where a description gives none.
 const DEFAULT_PRESSURE_RATE_KPA_S: f64 = 200.0;
 
@@ -284,7 +286,11 @@ fn read_module(root: &mut Section) -> Result<Module, FieldError> {
     }
     let tip = read_tip(root.table("tip")?)?;
     let base = read_base(root.table("base")?)?;
-    Ok(Module { frees, tip, base })
+    let spacers = root.number("spacers", |count| {
+        let fits = count.fract() == 0.0 && (0.0..=200.0).contains(&count);
+        fits.then_some(()).ok_or("must be a whole number from 0 (FREEs free between the plates) to 200")
+    })?;
+    Ok(Module { frees, tip, base, spacers: spacers.map_or(DEFAULT_SPACERS, |count| count as u32) })
 }
 
 fn read_tip(section: Option<Section>) -> Result<Tip, FieldError> {

@@ -50,6 +50,9 @@ pub struct Module {
     pub tip: Tip,
     /// The fixed plate.
     pub base: Base,
+    /// Number of rigid, weightless spacers, evenly spaced, that tie all FREEs together between the plates: between two of them
+    /// each FREE has constant strain. Zero: every FREE goes its own way from plate to plate, and may sway and buckle.
+    pub spacers: u32,
 }
 
 impl Module {

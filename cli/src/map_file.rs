@@ -236,6 +236,7 @@ pub mod samples {
                 frees: vec![PlacedFree { free, position: [0.0; 2] }],
                 tip: Tip { plate_mass: 0.0, payload: 0.0, free_dof: [true; 6] },
                 base: Base { gravity: [0.0; 3], free_mass: 0.0 },
+                spacers: 0,
             },
             limits: Limits { pressure_max: vec![5e4], pressure_rate: 2e5, idle_pressure: 0.0 },
             parameters: vec![],

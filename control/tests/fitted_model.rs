@@ -26,6 +26,7 @@ fn fitted(module: &AnalyticModule) -> ModuleModel {
                 .to_vec(),
             tip: Tip { plate_mass: 0.03, payload: 0.0, free_dof: [true; 6] },
             base: Base { gravity: [0.0, 0.0, 1.0], free_mass: 0.01 },
+            spacers: 0,
         },
         limits: Limits { pressure_max: vec![65e3, 69e3, 69e3, 50e3], pressure_rate: 2e5, idle_pressure: 2e3 },
         parameters: vec![],

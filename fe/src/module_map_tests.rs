@@ -22,6 +22,7 @@ fn pair() -> Module {
         frees: vec![placed(-7.5e-3, Handedness::Right), placed(7.5e-3, Handedness::Left)],
         tip: Tip { plate_mass: 5e-3, payload: 0.0, free_dof: [true; 6] },
         base: Base { gravity: [0.0, 0.0, 1.0], free_mass: 2e-3 },
+        spacers: 0,
     }
 }
 

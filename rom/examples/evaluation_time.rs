@@ -60,6 +60,7 @@ fn module_model() -> Result<ModuleModel, Box<dyn std::error::Error>> {
             frees: vec![PlacedFree { free: free(), position: [0.0; 2] }; 4],
             tip: Tip { plate_mass: 0.03, payload: 0.0, free_dof: [true; 6] },
             base: Base { gravity: [0.0, 0.0, 1.0], free_mass: 0.01 },
+            spacers: 0,
         },
         limits: Limits { pressure_max: vec![PRESSURE_MAX; 4], pressure_rate: 2e5, idle_pressure: 0.0 },
         parameters: vec![MapParameter::Payload, MapParameter::BendingStiffness],

@@ -63,6 +63,7 @@ pub fn module_map(pressures: Vec<Vec<f64>>, checks: usize) -> ModuleMap {
             frees: (0..frees).map(placed).collect(),
             tip: Tip { plate_mass: 0.03, payload: 0.0, free_dof: [true; 6] },
             base: Base { gravity: [0.0, 0.0, 1.0], free_mass: 0.01 },
+            spacers: 0,
         },
         limits: Limits { pressure_max: vec![PRESSURE_MAX; frees], pressure_rate: 2e5, idle_pressure: 0.0 },
         parameters: vec![MapParameter::Payload, MapParameter::BendingStiffness],

@@ -3,18 +3,28 @@ use super::{
     motion::{Frame, joined},
     pivots::InvertedBlock,
 };
-use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
+use nalgebra::{Matrix3, Matrix6, Matrix6xX, Vector3, Vector6};
 
-/// Columns carried through the elimination: the gradient, its derivative with respect to the FREE's pressure, and with respect
-/// to the factor on the bending stiffness.
-pub(super) type Columns = SMatrix<f64, 6, 3>;
+/// Columns carried through the elimination: the gradient and, where sensitivities are asked for, its derivatives with respect
+/// to the factor on the bending stiffness and to the pressure of each member.
+pub(super) type Columns = Matrix6xX<f64>;
 
-/// One FREE as a chain of elements from the base plate (fixed) to the tip plate.
-pub(super) struct Chain<'a> {
+/// A FREE of a chain.
+pub(super) struct Member<'a> {
+    /// Its index in the module.
+    pub free: usize,
     pub law: ElementLaw<'a>,
-    /// Weight of the FREE along gravity, N.
+    /// Its weight along gravity, N.
     pub weight: Vector3<f64>,
-    /// Its axis on both plates, m.
+    /// Its axis in the frames of the chain's nodes, m.
+    pub arm: Vector3<f64>,
+}
+
+/// FREEs that share their nodes, as a chain of elements from the base plate (fixed) to the tip plate: one FREE on its own, or all
+/// that spacers tie together.
+pub(super) struct Chain<'a> {
+    pub members: Vec<Member<'a>>,
+    /// Origin of the chain's nodes on both plates, m.
     pub offset: Vector3<f64>,
 }
 
@@ -26,6 +36,24 @@ pub(super) struct Assembly {
     diagonal: Vec<Matrix6<f64>>,
     /// Between nodes k and k + 1, for k from 1.
     upper: Vec<Matrix6<f64>>,
+}
+
+/// Motion at an arm for a motion of a frame, both in the frame's directions: v - arm x w, w.
+fn at_arm(arm: &Vector3<f64>) -> Matrix6<f64> {
+    let mut matrix = Matrix6::identity();
+    matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&-arm.cross_matrix());
+    matrix
+}
+
+fn shifted(frame: &Frame, arm: &Vector3<f64>) -> Frame {
+    Frame { rotation: frame.rotation, position: frame.position + frame.rotation * arm }
+}
+
+impl Member<'_> {
+    /// Frame of the FREE's axis at a node.
+    pub fn frame(&self, node: &Frame) -> Frame {
+        shifted(node, &self.arm)
+    }
 }
 
 /// The chain seen from the tip plate, in the plate's frame, and what is needed to find its inner nodes again.
@@ -48,79 +76,80 @@ impl Chain<'_> {
 
     /// Frame of the chain's tip on a plate.
     pub fn tip(&self, plate: &Frame) -> Frame {
-        Frame { rotation: plate.rotation, position: plate.position + plate.rotation * self.offset }
+        shifted(plate, &self.offset)
     }
 
-    /// Motion of the chain's tip for a motion of the plate, both in the plate's directions: v - t x w, w.
+    /// Motion of the chain's tip for a motion of the plate.
     pub fn to_tip(&self) -> Matrix6<f64> {
-        let mut matrix = Matrix6::identity();
-        matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&-self.offset.cross_matrix());
-        matrix
+        at_arm(&self.offset)
     }
+
+    /// Column of a member's pressure, by its place in the chain.
+    pub fn pressure_column(member: usize) -> usize {
+        2 + member
+    }
+
+    /// Column of the factor on the bending stiffness.
+    pub const BENDING_COLUMN: usize = 1;
 
     /// All frames from base to tip.
     pub fn frames<'f>(&self, inner: &'f [Frame], plate: &Frame) -> impl Iterator<Item = Frame> + use<'f> {
         std::iter::once(self.base()).chain(inner.iter().copied()).chain(std::iter::once(self.tip(plate)))
     }
 
-    /// Energy, gradient and tangent; `None` when the section law has no answer somewhere.
+    /// Energy, gradient and tangent at the module's pressures; `None` when the section law has no answer somewhere.
     pub fn assemble(
         &self,
         inner: &[Frame],
         plate: &Frame,
-        pressure: f64,
+        pressures: &[f64],
         sensitivities: bool,
     ) -> Option<Assembly> {
         let elements = inner.len() + 1;
+        let columns = if sensitivities { Self::pressure_column(self.members.len()) } else { 1 };
         let mut assembly = Assembly {
             energy: 0.0,
-            columns: vec![Columns::zeros(); elements],
+            columns: vec![Columns::zeros(columns); elements],
             diagonal: vec![Matrix6::zeros(); elements],
             upper: vec![Matrix6::zeros(); elements],
         };
-        let mut below = self.base();
-        for (index, above) in self.frames(inner, plate).skip(1).enumerate() {
-            let element = self.law.evaluate(&below, &above, pressure, sensitivities)?;
-            assembly.energy += element.energy;
-            let parts = [element.gradient, element.pressure_gradient, element.bending_gradient];
-            for (column, [on_below, on_above]) in parts.iter().enumerate() {
-                let mut target = assembly.columns[index].column_mut(column);
-                target += on_above;
-                if index > 0 {
-                    let mut target = assembly.columns[index - 1].column_mut(column);
-                    target += on_below;
+        for (place, member) in self.members.iter().enumerate() {
+            let arm = at_arm(&member.arm);
+            let back = arm.transpose();
+            let mut below = member.frame(&self.base());
+            for (index, node) in self.frames(inner, plate).skip(1).enumerate() {
+                let above = member.frame(&node);
+                let element = member.law.evaluate(&below, &above, pressures[member.free], sensitivities)?;
+                assembly.energy += element.energy;
+                let mut add = |column: usize, [on_below, on_above]: [Vector6<f64>; 2]| {
+                    let mut target = assembly.columns[index].column_mut(column);
+                    target += back * on_above;
+                    if index > 0 {
+                        let mut target = assembly.columns[index - 1].column_mut(column);
+                        target += back * on_below;
+                    }
+                };
+                add(0, element.gradient);
+                if sensitivities {
+                    add(Self::BENDING_COLUMN, element.bending_gradient);
+                    add(Self::pressure_column(place), element.pressure_gradient);
                 }
+                let [aa, ab, bb] = element.tangent;
+                assembly.diagonal[index] += back * bb * arm;
+                if index > 0 {
+                    assembly.diagonal[index - 1] += back * aa * arm;
+                    assembly.upper[index - 1] += back * ab * arm;
+                }
+                let share = if index + 1 == elements { 0.5 } else { 1.0 } / elements as f64;
+                let (energy, pull, block) = hung(&(member.weight * share), &above);
+                assembly.energy += energy;
+                let mut target = assembly.columns[index].column_mut(0);
+                target += back * pull;
+                assembly.diagonal[index] += back * block * arm;
+                below = above;
             }
-            let [aa, ab, bb] = element.tangent;
-            assembly.diagonal[index] += bb;
-            if index > 0 {
-                assembly.diagonal[index - 1] += aa;
-                assembly.upper[index - 1] = ab;
-            }
-            self.add_weight(
-                &above,
-                if index + 1 == elements { 0.5 } else { 1.0 } / elements as f64,
-                index,
-                &mut assembly,
-            );
-            below = above;
         }
         Some(assembly)
-    }
-
-    /// A share of the weight hung on a node: energy -w.x; with G = -R^T w its gradient is (G, 0), its second derivative
-    /// v.(G x w_rotation)/2 twice, because a node moved by exp(xi) also swings.
-    fn add_weight(&self, node: &Frame, share: f64, index: usize, assembly: &mut Assembly) {
-        let weight = self.weight * share;
-        assembly.energy -= weight.dot(&node.position);
-        let pull = -node.rotation.inverse_transform_vector(&weight);
-        let mut target = assembly.columns[index].column_mut(0);
-        target += joined(pull, Vector3::zeros());
-        let half: Matrix3<f64> = pull.cross_matrix() * 0.5;
-        let mut block = assembly.diagonal[index].fixed_view_mut::<3, 3>(0, 3);
-        block += half;
-        let mut block = assembly.diagonal[index].fixed_view_mut::<3, 3>(3, 0);
-        block += half.transpose();
     }
 
     /// Eliminates the inner nodes from the base up; `None` when one of their blocks is singular.
@@ -128,15 +157,15 @@ impl Chain<'_> {
         let last = assembly.columns.len() - 1;
         let mut moves = Vec::with_capacity(last);
         let mut negative = 0;
-        let (mut block, mut columns) = (assembly.diagonal[0], assembly.columns[0]);
+        let (mut block, mut columns) = (assembly.diagonal[0], assembly.columns[0].clone());
         for k in 0..last {
             let InvertedBlock { inverse, negative: more } = InvertedBlock::new(&block)?;
             negative += more;
             let upper = assembly.upper[k];
-            let (own, follow) = (-inverse * columns, -inverse * upper);
+            let (own, follow) = (-(inverse * columns), -inverse * upper);
             // S_(k+1) = K_(k+1) - U^T S_k^-1 U, and the same for the columns.
             block = assembly.diagonal[k + 1] + upper.transpose() * follow;
-            columns = assembly.columns[k + 1] + upper.transpose() * own;
+            columns = &assembly.columns[k + 1] + upper.transpose() * &own;
             moves.push((own, follow));
         }
         let to_tip = self.to_tip();
@@ -150,6 +179,17 @@ impl Chain<'_> {
             to_tip,
         })
     }
+}
+
+/// A weight hung on a frame: energy -w.x, its gradient and second derivatives. With G = -R^T w the gradient is (G, 0); a frame
+/// moved by exp(xi) also swings, which makes the second derivative v.(G x w)/2 twice.
+fn hung(weight: &Vector3<f64>, at: &Frame) -> (f64, Vector6<f64>, Matrix6<f64>) {
+    let pull = -at.rotation.inverse_transform_vector(weight);
+    let half: Matrix3<f64> = pull.cross_matrix() * 0.5;
+    let mut block = Matrix6::zeros();
+    block.fixed_view_mut::<3, 3>(0, 3).copy_from(&half);
+    block.fixed_view_mut::<3, 3>(3, 0).copy_from(&half.transpose());
+    (-weight.dot(&at.position), joined(pull, Vector3::zeros()), block)
 }
 
 impl Condensed {

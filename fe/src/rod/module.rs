@@ -1,5 +1,5 @@
 use super::{
-    chain::{Assembly, Chain, Condensed},
+    chain::{Assembly, Chain, Condensed, Member},
     element::ElementLaw,
     equilibrium::{Configuration, Equilibrium, RodError},
     motion::Frame,
@@ -139,39 +139,49 @@ impl RodModule {
     fn chains(&self, part: f64) -> Vec<Chain<'_>> {
         let base = &self.module.base;
         let weight = Vector3::from(base.gravity) * (part * STANDARD_GRAVITY * base.free_mass);
-        self.module
-            .frees
-            .iter()
-            .zip(&self.laws)
-            .map(|(placed, law)| {
-                let (tube, mu) = (placed.free.tube, placed.free.elastomer.initial_shear_modulus());
-                Chain {
-                    law: ElementLaw {
-                        section: law.as_ref(),
-                        hand: placed.free.winding.handedness.sign(),
-                        bending: self.settings.bending_stiffness_scale * 3.0 * mu * tube.second_moment(),
-                        shear: mu * tube.wall_area(),
-                        length: tube.length / self.settings.elements as f64,
-                    },
-                    weight,
-                    offset: Vector3::new(placed.position[0], placed.position[1], 0.0),
-                }
-            })
-            .collect()
+        let elements = self.elements() as f64;
+        let member = |free: usize, arm: Vector3<f64>| {
+            let placed = &self.module.frees[free];
+            let (tube, mu) = (placed.free.tube, placed.free.elastomer.initial_shear_modulus());
+            let law = ElementLaw {
+                section: self.laws[free].as_ref(),
+                hand: placed.free.winding.handedness.sign(),
+                bending: self.settings.bending_stiffness_scale * 3.0 * mu * tube.second_moment(),
+                shear: mu * tube.wall_area(),
+                length: tube.length / elements,
+            };
+            Member { free, law, weight, arm }
+        };
+        let axis = |free: usize| {
+            let [x, y] = self.module.frees[free].position;
+            Vector3::new(x, y, 0.0)
+        };
+        let frees = 0..self.laws.len();
+        if self.module.spacers > 0 {
+            let members = frees.map(|free| member(free, axis(free))).collect();
+            vec![Chain { members, offset: Vector3::zeros() }]
+        } else {
+            let alone = |free| Chain { members: vec![member(free, Vector3::zeros())], offset: axis(free) };
+            frees.map(alone).collect()
+        }
+    }
+
+    /// Elements along each FREE: one between two spacers, or as set.
+    fn elements(&self) -> usize {
+        match self.module.spacers {
+            0 => self.settings.elements,
+            spacers => spacers as usize + 1,
+        }
     }
 
     /// The undeformed shape: straight FREEs under a plate at their mean length.
     pub fn straight(&self) -> Configuration {
-        let (height, count) = (self.module.length(), self.settings.elements);
-        let inner = |placed: &actuator::PlacedFree| {
-            let [x, y] = placed.position;
-            let node = |k: usize| Vector3::new(x, y, height * k as f64 / count as f64);
+        let (height, count) = (self.module.length(), self.elements());
+        let inner = |chain: &Chain| {
+            let node = |k: usize| chain.offset + Vector3::z() * (height * k as f64 / count as f64);
             (1..count).map(|k| Frame { rotation: UnitQuaternion::identity(), position: node(k) }).collect()
         };
-        Configuration {
-            plate: Plate::at_height(height),
-            inner: self.module.frees.iter().map(inner).collect(),
-        }
+        Configuration { plate: Plate::at_height(height), inner: self.chains(0.0).iter().map(inner).collect() }
     }
 
     /// Equilibrium at the pressures (Pa), followed from rest: first the weights and the tip load are put on without
@@ -281,8 +291,8 @@ impl RodModule {
     ) -> Option<System> {
         let frame = shape.plate.frame();
         let mut assemblies = Vec::with_capacity(chains.len());
-        for ((chain, inner), pressure) in chains.iter().zip(&shape.inner).zip(&loads.pressures) {
-            assemblies.push(chain.assemble(inner, &frame, *pressure, sensitivities)?);
+        for (chain, inner) in chains.iter().zip(&shape.inner) {
+            assemblies.push(chain.assemble(inner, &frame, &loads.pressures, sensitivities)?);
         }
         let load_gradient = -self.plate_load() * loads.part;
         let energy = assemblies.iter().map(|chain| chain.energy).sum::<f64>()
@@ -356,11 +366,14 @@ impl RodModule {
     fn finish(&self, shape: Configuration, loads: &Loads) -> Result<Equilibrium, RodError> {
         let chains = self.chains(loads.part);
         let frame = shape.plate.frame();
-        for (free, (chain, inner)) in chains.iter().zip(&shape.inner).enumerate() {
+        for (chain, inner) in chains.iter().zip(&shape.inner) {
             let frames: Vec<Frame> = chain.frames(inner, &frame).collect();
-            for pair in frames.windows(2) {
-                let [axial_stretch, twist_per_length] = chain.law.strain(&pair[0].log_to(&pair[1]));
-                let pressure = loads.pressures[free];
+            for (member, pair) in
+                chain.members.iter().flat_map(|m| frames.windows(2).map(move |pair| (m, pair)))
+            {
+                let between = member.frame(&pair[0]).log_to(&member.frame(&pair[1]));
+                let [axial_stretch, twist_per_length] = member.law.strain(&between);
+                let (free, pressure) = (member.free, loads.pressures[member.free]);
                 if !self.laws[free].covers(pressure, axial_stretch, twist_per_length) {
                     let last = Box::new(shape);
                     return Err(RodError::OutsideSectionLaw {
@@ -389,10 +402,15 @@ impl RodModule {
         let slopes = Self::PARAMETERS.map(|parameter| match parameter {
             MapParameter::Payload => slope(Vector6::new(gravity.x, gravity.y, gravity.z, 0.0, 0.0, 0.0)),
             MapParameter::BendingStiffness => {
-                slope(factored.condensed.iter().map(|chain| column(2, chain)).sum())
+                slope(factored.condensed.iter().map(|chain| column(Chain::BENDING_COLUMN, chain)).sum())
             }
         });
-        let pressure_jacobian = factored.condensed.iter().map(|chain| slope(column(1, chain))).collect();
+        let mut pressure_jacobian = vec![[0.0; 6]; self.laws.len()];
+        for (chain, condensed) in chains.iter().zip(&factored.condensed) {
+            for (place, member) in chain.members.iter().enumerate() {
+                pressure_jacobian[member.free] = slope(column(Chain::pressure_column(place), condensed));
+            }
+        }
         let state = ModuleState {
             chart: shape.chart(),
             slopes: slopes.to_vec(),
@@ -432,12 +450,13 @@ fn step_length(
     for (chain, motions) in chains.iter().zip(inner) {
         let tip = chain.to_tip() * (factored.plate.first * plate);
         let mut below = Vector6::zeros();
+        let length = chain.members[0].law.length;
         for motion in motions.iter().chain(std::iter::once(&tip)) {
             let turned: Vector3<f64> = motion.fixed_rows::<3>(3) - below.fixed_rows::<3>(3);
-            let carried = below.fixed_rows::<3>(3).cross(&Vector3::z()) * chain.law.length;
+            let carried = below.fixed_rows::<3>(3).cross(&Vector3::z()) * length;
             let shifted: Vector3<f64> = motion.fixed_rows::<3>(0) - below.fixed_rows::<3>(0) - carried;
             let turn = turned.norm() / STEP_LIMITS.0;
-            let shift = shifted.norm() / (chain.law.length * STEP_LIMITS.1);
+            let shift = shifted.norm() / (length * STEP_LIMITS.1);
             worst = worst.max(turn).max(shift);
             below = *motion;
         }

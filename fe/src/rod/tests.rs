@@ -49,7 +49,7 @@ fn at(free: Free, x: f64, y: f64) -> PlacedFree {
 
 fn module(frees: Vec<PlacedFree>) -> Module {
     let tip = Tip { plate_mass: 0.0, payload: 0.0, free_dof: [true; 6] };
-    Module { frees, tip, base: Base { gravity: [0.0; 3], free_mass: 0.0 } }
+    Module { frees, tip, base: Base { gravity: [0.0; 3], free_mass: 0.0 }, spacers: 0 }
 }
 
 /// Four 30 degree FREEs on the corners of a square of 15 mm, hands in turn.

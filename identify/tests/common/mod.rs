@@ -97,6 +97,7 @@ pub fn module() -> Module {
             .collect(),
         tip: Tip { plate_mass: 5e-3, payload: 0.0, free_dof: [true; 6] },
         base: Base { gravity: [0.0, 0.0, 1.0], free_mass: 4.3e-3 },
+        spacers: 0,
     }
 }
 
