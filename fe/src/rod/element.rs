@@ -1,6 +1,6 @@
 use super::motion::{Frame, LogVariation, joined};
 use crate::SectionLaw;
-use nalgebra::{Matrix6, Vector6};
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 /// What a length of FREE is made of.
 #[derive(Clone, Copy)]
@@ -12,6 +12,9 @@ pub(super) struct ElementLaw<'a> {
     pub bending: f64,
     /// GA, N.
     pub shear: f64,
+    /// For a FREE held by spacers: its place (m) in the nodes' frames. It passes through their holes and tilts there as the bundle
+    /// turns: its stretch is the length between the holes, and only the sideways shift of the bundle shears it.
+    pub held_at: Option<[f64; 2]>,
     /// Reference length of the element, m.
     pub length: f64,
 }
@@ -20,6 +23,10 @@ pub(super) struct ElementLaw<'a> {
 ///
 /// Energy `L [Phi(p, lambda, tau) + EI (kx^2 + ky^2)/2 + GA (gx^2 + gy^2)/2]` with (gx, gy, lambda, kx, ky, tau) = d/L. Whatever
 /// the length, it is exact for states of constant strain: stretched, twisted, bent to a circle, or a helix of them.
+///
+/// Held by spacers at (x, y), with d = (t, w): lambda = |t|/L, as of the helix that a FREE beside the axis of a turning bundle is
+/// on, gx = (t_x + y w_z)/L and gy = (t_y - x w_z)/L, the shift of the bundle. The turn about the bundle's axis is taken for the
+/// one about the FREE's own, too much by a factor of 1/cos(tilt): one per cent at 8 degrees.
 pub(super) struct Element {
     pub energy: f64,
     /// dE/dxi at both nodes.
@@ -35,7 +42,25 @@ pub(super) struct Element {
 impl ElementLaw<'_> {
     /// Stretch and twist per length of the element, as its right-handed section sees them.
     pub fn strain(&self, d: &Vector6<f64>) -> [f64; 2] {
-        [d[2] / self.length, self.hand * d[5] / self.length]
+        let stretched = if self.held_at.is_some() { d.fixed_rows::<3>(0).norm() } else { d[2] };
+        [stretched / self.length, self.hand * d[5] / self.length]
+    }
+
+    /// Direction in which the FREE is pulled, and the stiffness that its force has against turning it.
+    fn axis(&self, d: &Vector6<f64>, force: f64) -> (Vector3<f64>, Matrix3<f64>) {
+        if self.held_at.is_none() {
+            return (Vector3::z(), Matrix3::zeros());
+        }
+        let along: Vector3<f64> = d.fixed_rows::<3>(0).into();
+        let stretched = along.norm();
+        let axis = along / stretched;
+        (axis, (Matrix3::identity() - axis * axis.transpose()) * (force / stretched))
+    }
+
+    /// The combinations of d that shear the element.
+    fn shears(&self) -> [Vector6<f64>; 2] {
+        let [x, y] = self.held_at.unwrap_or_default();
+        [Vector6::new(1.0, 0.0, 0.0, 0.0, 0.0, y), Vector6::new(0.0, 1.0, 0.0, 0.0, 0.0, -x)]
     }
 
     /// The element between two frames; `None` when the law has no answer there. The derivative with respect to the pressure
@@ -53,22 +78,29 @@ impl ElementLaw<'_> {
         let section = self.section.respond(pressure, stretch, twist);
         let [bending, shear] = [self.bending / length, self.shear / length];
         let bent = joined([0.0; 3].into(), [bending * d[3], bending * d[4], 0.0].into());
-        let mut force = bent;
-        force[0] = shear * d[0];
-        force[1] = shear * d[1];
-        force[2] = section.force;
-        force[5] = self.hand * section.torque;
-        let energy = length * section.energy
-            + 0.5 * bending * (d[3] * d[3] + d[4] * d[4])
-            + 0.5 * shear * (d[0] * d[0] + d[1] * d[1]);
+        let (axis, turning) = self.axis(&d, section.force);
+        let along = joined(axis, Vector3::zeros());
+        let mut force = bent + along * section.force;
+        force[5] += self.hand * section.torque;
+        let mut stiffness = Matrix6::from_diagonal(&Vector6::new(0.0, 0.0, 0.0, bending, bending, 0.0));
+        let mut energy = length * section.energy + 0.5 * bending * (d[3] * d[3] + d[4] * d[4]);
+        for direction in self.shears() {
+            let sheared = direction.dot(&d);
+            energy += 0.5 * shear * sheared * sheared;
+            force += direction * (shear * sheared);
+            stiffness += direction * direction.transpose() * shear;
+        }
         if !(energy.is_finite() && force.iter().all(|value| value.is_finite())) {
             return None;
         }
-        let mut stiffness = Matrix6::from_diagonal(&Vector6::new(shear, shear, 0.0, bending, bending, 0.0));
-        stiffness[(2, 2)] = section.stiffness[0][0] / length;
-        stiffness[(2, 5)] = self.hand * section.stiffness[0][1] / length;
-        stiffness[(5, 2)] = stiffness[(2, 5)];
-        stiffness[(5, 5)] = section.stiffness[1][1] / length;
+        let mut block = stiffness.fixed_view_mut::<3, 3>(0, 0);
+        block += axis * axis.transpose() * (section.stiffness[0][0] / length) + turning;
+        let coupling = along * (self.hand * section.stiffness[0][1] / length);
+        let mut column = stiffness.column_mut(5);
+        column += coupling;
+        let mut row = stiffness.row_mut(5);
+        row += coupling.transpose();
+        stiffness[(5, 5)] += section.stiffness[1][1] / length;
 
         let vary = LogVariation::new(&d, &force);
         let on_b = vary.right * stiffness + vary.right_slope;
@@ -80,9 +112,8 @@ impl ElementLaw<'_> {
         let mut pressure_gradient = [Vector6::zeros(); 2];
         if with_pressure_gradient {
             let [axial, torsional] = self.section.pressure_slopes(pressure, stretch, twist);
-            let mut by_pressure = Vector6::zeros();
-            by_pressure[2] = axial;
-            by_pressure[5] = self.hand * torsional;
+            let mut by_pressure = along * axial;
+            by_pressure[5] += self.hand * torsional;
             pressure_gradient = pull(&by_pressure);
         }
         Some(Element {

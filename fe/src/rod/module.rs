@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// How finely and how stiff a module is modelled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RodSettings {
-    /// Elements along each FREE. A FREE may turn several times, but each element by less than 2.5 rad.
+    /// Elements along each FREE of a module without spacers. A FREE may turn several times, but each element by less than 2.5 rad.
     pub elements: usize,
     /// Factor on the provisional bending stiffness 3 mu I of every FREE.
     pub bending_stiffness_scale: f64,
@@ -33,7 +33,8 @@ impl RodSettings {
     pub fn describe(&self) -> String {
         format!(
             "geometrically exact rods, {} elements a FREE; PROVISIONAL bending stiffness {} x 3 mu I and shear stiffness mu A \
-             (undeformed wall, no fibres, no pressure), to be replaced by the solid model's",
+             (undeformed wall, no fibres, no pressure), to be replaced by the solid model's; with spacers, one element \
+             between two of them",
             self.elements, self.bending_stiffness_scale
         )
     }
@@ -50,6 +51,8 @@ pub struct TipLoad {
 }
 
 /// A module of FREEs as geometrically exact rods with a section law each, clamped to two rigid plates.
+///
+/// With spacers, all FREEs share the spacers' motion, one element of each between two spacers ([`Module::spacers`]).
 ///
 /// Energy: of the elements, minus the work of the weights (plate, payload and FREEs along the module's gravity) and of the tip
 /// load. Degrees of freedom of the plate that are not in `tip.free_dof` stay at rest: position in the base frame, `rx` and `ry`
@@ -148,6 +151,7 @@ impl RodModule {
                 hand: placed.free.winding.handedness.sign(),
                 bending: self.settings.bending_stiffness_scale * 3.0 * mu * tube.second_moment(),
                 shear: mu * tube.wall_area(),
+                held_at: (self.module.spacers > 0).then_some(placed.position),
                 length: tube.length / elements,
             };
             Member { free, law, weight, arm }

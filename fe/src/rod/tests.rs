@@ -80,11 +80,53 @@ fn bending(free: &Free) -> f64 {
 /// A law stiff enough along the axis not to matter beside bending.
 const STIFF: Linear = Linear { axial: 1e3, torsion: 1e-3, area: 0.0, arm: 0.0 };
 
+/// Spacers on a module and none: the same where FREEs only lengthen.
+#[test]
+fn spacers_do_not_hinder_lengthening() {
+    let lone = left_right([0.0; 3]);
+    let tied = Module { spacers: 5, ..lone.clone() };
+    let pressures = [3e4; 4];
+    let free = analytic(&lone, RodSettings::default()).solve(&pressures).unwrap().state.chart.to_array();
+    let held = analytic(&tied, RodSettings::default()).solve(&pressures).unwrap().state.chart.to_array();
+    for (a, b) in free.iter().zip(held) {
+        assert!((a - b).abs() < 1e-9, "{free:?} {held:?}");
+    }
+}
+
+/// Two equal FREEs opposite each other, held in the holes of spacers, turn as the bundle does: each is a helix of radius a, whose
+/// length the bundle's pitch and height give: the energy per length is 2 Phi(sqrt(lambda^2 + (tau a)^2), tau).
+#[test]
+fn a_turning_bundle_lays_its_frees_on_helices() {
+    let arm = 8e-3;
+    let pair = module(vec![
+        at(free(30.0, Handedness::Right), arm, 0.0),
+        at(free(30.0, Handedness::Right), -arm, 0.0),
+    ]);
+    let chart = analytic(&Module { spacers: 7, ..pair }, RodSettings::default())
+        .solve(&[2e4; 2])
+        .unwrap()
+        .state
+        .chart;
+    let (stretch, twist) = (chart.position[2] / 0.175, chart.twist / 0.175);
+    let tube = ThickTube::new(&free(30.0, Handedness::Right));
+    let energy =
+        |stretch: f64, twist: f64| tube.section(2e4, stretch.hypot(twist * arm), twist).unwrap().energy;
+    // Equilibrium: the bundle's energy is stationary in its height and turn.
+    let (by_stretch, by_twist) = (
+        (energy(stretch + 1e-4, twist) - energy(stretch - 1e-4, twist)) / 2e-4,
+        (energy(stretch, twist + 0.01) - energy(stretch, twist - 0.01)) / 0.02,
+    );
+    assert!(by_stretch.abs() < 1e-5 && by_twist.abs() < 1e-7, "{by_stretch} N, {by_twist} N m at {chart:?}");
+    assert!(twist < -5.0, "{chart:?}");
+}
+
 #[test]
 fn element_derivatives_match_differences() {
     let tube = ThickTube::new(&free(30.0, Handedness::Right));
-    for hand in [1.0, -1.0] {
-        let law = ElementLaw { section: &tube, hand, bending: 4e-4, shear: 10.0, length: 0.02 };
+    for (hand, held_at) in
+        [(1.0, None), (-1.0, None), (1.0, Some([7e-3, -4e-3])), (-1.0, Some([-7e-3, 4e-3]))]
+    {
+        let law = ElementLaw { section: &tube, hand, bending: 4e-4, shear: 10.0, held_at, length: 0.02 };
         let a = Frame {
             rotation: UnitQuaternion::from_scaled_axis(Vector3::new(0.3, -0.5, 1.4)),
             position: Vector3::new(0.01, 0.02, 0.03),
