@@ -18,10 +18,14 @@ const NOISE: [f64; 3] = [0.05 * KPA, 0.1e-3, 0.5e-3];
 /// Time constant of the lag that is put in, s.
 pub const TIME_CONSTANT: f64 = 0.3;
 
-/// The effect that is put in: the pressures follow their commands late.
+/// Mass that is put on the tip plate, kg.
+pub const PAYLOAD: f64 = 0.03;
+
+/// The effects that are put in: the pressures follow their commands late, and the tip plate carries what nobody declared.
 pub fn effects(frees: usize) -> Chain {
-    let values = vec![TIME_CONSTANT; EffectKind::SupplyLag.parameters().len()];
-    Chain { effects: vec![Effect { kind: EffectKind::SupplyLag, frees: (0..frees).collect(), values }] }
+    let late = vec![TIME_CONSTANT; EffectKind::SupplyLag.parameters().len()];
+    let effect = |kind, values| Effect { kind, frees: (0..frees).collect(), values };
+    Chain { effects: vec![effect(EffectKind::SupplyLag, late), effect(EffectKind::Payload, vec![PAYLOAD])] }
 }
 
 /// A way to command the pressures.

@@ -11,7 +11,7 @@ use crate::{
 };
 use actuator::{
     Description, Rig,
-    units::{DEG, KPA, MM, MPA},
+    units::{DEG, GRAM, KPA, MM, MPA},
 };
 use control::{Blend, Preference, SolveInput, Solver, Status, Target, Trajectory, Waypoint};
 use fe::{FreeSweep, ModuleSweep};
@@ -41,7 +41,7 @@ const MODULE_TEXT: &str = include_str!("../../../data/modules/buffinton-2020-30l
 
 /// Pressures per FREE of the small module map, and the greatest, Pa.
 const NODES: usize = 5;
-const GREATEST: f64 = 25.0 * KPA;
+const GREATEST: f64 = 50.0 * KPA;
 /// Targets to find pressures for.
 const TARGETS: usize = 25;
 /// The path: a circle of this radius (m), once in this time (s), solved this often a second.
@@ -95,9 +95,10 @@ impl Demo {
 
         let recordings = simulate(&rig, &model, &self.out)?;
         let injected = format!(
-            "{} recordings; put in: the supply lags by {} s",
+            "{} recordings; put in: a supply that lags by {} s and {} g on the tip plate",
             recordings.len(),
-            simulated_rig::TIME_CONSTANT
+            simulated_rig::TIME_CONSTANT,
+            short(simulated_rig::PAYLOAD / GRAM)
         );
         tell("simulate a rig", "rig/*.mcap", injected)?;
         let (found, result) = find(&rig, &model, &recordings, &file("rig"))?;

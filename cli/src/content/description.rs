@@ -60,6 +60,10 @@ impl Content for Rig {
             let names = ["x", "y", "z", "rx", "ry", "rz"].iter().zip(module.tip.free_dof);
             let moving: Vec<&str> = names.filter(|(_, free)| *free).map(|(name, _)| *name).collect();
             let [gx, gy, gz] = module.base.gravity;
+            text += &match module.spacers {
+                0 => "  no spacers: each FREE goes its own way from plate to plate\n".to_owned(),
+                spacers => format!("  {spacers} rigid spacers tie the FREEs together between the plates\n"),
+            };
             text += &format!(
                 "  tip plate {} g, payload {} g, free to move in {}; each FREE {} g; gravity along ({gx}, {gy}, {gz})\n",
                 short(module.tip.plate_mass / GRAM),
@@ -87,7 +91,12 @@ impl Content for Rig {
             })
         };
         let kind = if matches!(self.description, Description::Free(_)) { "free" } else { "module" };
+        let spacers = match &self.description {
+            Description::Free(_) => None,
+            Description::Module(module) => Some(module.spacers),
+        };
         json!({
+            "spacers": spacers,
             "content": "description", "kind": kind, "name": self.name,
             "frees": frees.iter().enumerate().map(free).collect::<Vec<_>>(),
             "pressure_rate_kpa_s": self.limits.pressure_rate / KPA,
