@@ -144,7 +144,7 @@ impl Mechanics for ModuleMechanics<'_> {
                 *value += slope * change;
             }
         }
-        let chart = PoseChart::from_array(values);
+        let chart = chain.bend(&PoseChart::from_array(values));
         Seen::Pose(chain.read_pose(&chart.to_pose()), chart.twist)
     }
 

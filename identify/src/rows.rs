@@ -115,7 +115,6 @@ pub fn linearise(
             (other.chain, step)
         })
         .collect();
-    let count = samples.len();
     let frees = samples.frees();
     let width = match arena {
         Arena::Seen(_) => OUTPUTS,

@@ -62,6 +62,22 @@ impl Setup {
         setup
     }
 
+    /// Takes the marker at its described height: a weight stretches the module at rest exactly as a marker set too high does, and the calibration would
+    /// take the better part of a small weight away. The weight's estimate so contains the marker's tolerance.
+    pub fn hold_height(&mut self) {
+        const HEIGHT: usize = 5;
+        let effects = &mut self.chain.effects;
+        self.numbers.retain(|number| {
+            let effect = &mut effects[number.effect];
+            let is_height =
+                number.is_calibration && effect.kind == EffectKind::MarkerFrame && number.values == [HEIGHT];
+            if is_height {
+                effect.values[HEIGHT] = number.parameter.neutral;
+            }
+            !is_height
+        });
+    }
+
     /// Takes an effect away.
     pub fn without_effect(&self, effect: usize) -> Self {
         let mut setup = self.clone();

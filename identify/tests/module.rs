@@ -63,9 +63,9 @@ fn a_lag_of_the_supply_is_named_with_both_time_constants() {
 
 #[test]
 fn a_payload_is_named() {
-    let verdict = identify(vec![effect(EffectKind::Payload, &[0.03])], 0.0, 0.0).verdict;
+    let verdict = identify(vec![effect(EffectKind::Payload, &[0.06])], 0.0, 0.0).verdict;
     assert_eq!((verdict.verdict, names(&verdict)), (Finding::Explained, vec!["payload"]));
-    near(&verdict, "mass_g", 30.0, 6.0);
+    near(&verdict, "mass_g", 60.0, 12.0);
 }
 
 #[test]

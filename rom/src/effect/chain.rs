@@ -1,9 +1,9 @@
 use super::delay::Past;
 use super::{
-    Effect, EffectError, EffectKind, Link, base_frame, creep, hysteresis, marker_frame, mismatch, mullins,
-    pressure_bias, saturation, stiffness, supply_lag, valve_backlash,
+    Effect, EffectError, EffectKind, Link, base_frame, bending_scale, creep, hysteresis, marker_frame,
+    mismatch, mullins, pressure_bias, saturation, stiffness, supply_lag, valve_backlash,
 };
-use actuator::{Module, TipPose};
+use actuator::{Module, PoseChart, TipPose};
 use serde::{Deserialize, Serialize};
 
 /// Effects in the order in which they act. On each link the order of the list holds.
@@ -129,6 +129,12 @@ impl Chain {
     /// Change of the winding angle, rad.
     pub fn winding_angle(&self) -> f64 {
         self.of(EffectKind::WindingAngle).map(|effect| effect.values[0]).sum()
+    }
+
+    /// The chart of a module whose base model answers `chart`, loads included: what bends further bends further.
+    pub fn bend(&self, chart: &PoseChart) -> PoseChart {
+        self.of(EffectKind::BendingScale)
+            .fold(*chart, |chart, effect| bending_scale::chart(&effect.values, &chart))
     }
 
     /// Pose to pose read: marker first, then base frame.

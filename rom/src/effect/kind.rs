@@ -1,6 +1,7 @@
 use super::{
-    Parameter, base_frame, bending_stiffness, creep, delay, hysteresis, marker_frame, mismatch, mullins,
-    payload, pressure_bias, saturation, stiffness, supply_lag, valve_backlash, winding_angle,
+    Parameter, base_frame, bending_scale, bending_stiffness, creep, delay, hysteresis, marker_frame,
+    mismatch, mullins, payload, pressure_bias, saturation, stiffness, supply_lag, valve_backlash,
+    winding_angle,
 };
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +27,8 @@ pub enum EffectKind {
     Stiffness,
     /// Factor on the FREEs' bending stiffness.
     BendingStiffness,
+    /// How far the module bends for a given imbalance of its FREEs.
+    BendingScale,
     /// One FREE that is stronger or weaker.
     Mismatch,
     /// Winding angle other than described (single FREE).
@@ -56,9 +59,10 @@ pub enum EffectKind {
 
 impl EffectKind {
     /// Every kind.
-    pub const ALL: [EffectKind; 15] = [
+    pub const ALL: [EffectKind; 16] = [
         EffectKind::Stiffness,
         EffectKind::BendingStiffness,
+        EffectKind::BendingScale,
         EffectKind::Mismatch,
         EffectKind::WindingAngle,
         EffectKind::Payload,
@@ -79,6 +83,7 @@ impl EffectKind {
         match self {
             EffectKind::Stiffness => "stiffness",
             EffectKind::BendingStiffness => "bending_stiffness",
+            EffectKind::BendingScale => "bending_scale",
             EffectKind::Mismatch => "mismatch",
             EffectKind::WindingAngle => "winding_angle",
             EffectKind::Payload => "payload",
@@ -110,6 +115,7 @@ impl EffectKind {
         !matches!(
             self,
             EffectKind::BendingStiffness
+                | EffectKind::BendingScale
                 | EffectKind::WindingAngle
                 | EffectKind::Payload
                 | EffectKind::BaseFrame
@@ -135,6 +141,7 @@ impl EffectKind {
         match self {
             EffectKind::Stiffness => stiffness::PARAMETERS,
             EffectKind::BendingStiffness => bending_stiffness::PARAMETERS,
+            EffectKind::BendingScale => bending_scale::PARAMETERS,
             EffectKind::Mismatch => mismatch::PARAMETERS,
             EffectKind::WindingAngle => winding_angle::PARAMETERS,
             EffectKind::Payload => payload::PARAMETERS,

@@ -6,6 +6,7 @@
 //! nothing while stepping and is what a corrected model carries beside its map.
 
 mod base_frame;
+mod bending_scale;
 mod bending_stiffness;
 mod chain;
 mod creep;
