@@ -153,7 +153,7 @@ impl Candidate {
             _ => None,
         };
         let mut effect = Effect { kind: self.kind, frees: self.frees.clone(), values: start.to_vec() };
-        match replaced {
+        let mut joined = match replaced {
             Some(index) => {
                 if self.kind != EffectKind::SupplyLag {
                     effect.values.clone_from(&setup.chain.effects[index].values);
@@ -167,7 +167,9 @@ impl Candidate {
                 }
                 setup
             }
-        }
+        };
+        joined.release();
+        joined
     }
 
     /// Whether the setup has this effect already; an effect on all FREEs and one on a single FREE are two.

@@ -16,6 +16,12 @@ pub fn block_losses(rows: &[&Rows], blocks: &[usize]) -> Vec<Option<f64>> {
     sums.into_iter().map(|(sum, count)| (count > 0).then(|| sum / count as f64)).collect()
 }
 
+/// Mean loss of each block of samples, channel by channel.
+pub fn channel_losses(rows: &[Rows], blocks: &[usize]) -> Vec<Vec<Option<f64>>> {
+    let channels = rows.iter().flat_map(|rows| &rows.channels);
+    channels.map(|channel| block_losses(&[&Rows { channels: vec![channel.clone()] }], blocks)).collect()
+}
+
 /// How much a change of the model gains on data that took no part in its fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gain {

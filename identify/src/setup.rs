@@ -78,6 +78,19 @@ impl Setup {
         });
     }
 
+    /// Starts calibration numbers that ended at a bound from their neutral values again: pushed there by what an effect will explain, they would hold the
+    /// estimate of that effect back.
+    pub fn release(&mut self) {
+        for number in 0..self.numbers.len() {
+            let Number { parameter, lower, upper, is_calibration, .. } = self.numbers[number].clone();
+            let value = self.value(number);
+            let near = 1e-6 * parameter.scale;
+            if is_calibration && (value <= lower + near || value >= upper - near) {
+                self.set(number, parameter.neutral);
+            }
+        }
+    }
+
     /// Takes an effect away.
     pub fn without_effect(&self, effect: usize) -> Self {
         let mut setup = self.clone();
