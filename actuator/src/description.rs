@@ -6,8 +6,9 @@ use crate::{
 };
 use std::{fmt, fs, io, path::Path, path::PathBuf};
 
-/// Width of a thread (mm) where a description gives none; the paper gives none either.
-const DEFAULT_FIBRE_DIAMETER_MM: f64 = 0.3;
+/// Width of a thread (mm) where a description gives none (the paper gives none either): a fine sewing thread, and near what the
+/// fibres of truss elements of the solid models amount to.
+const DEFAULT_FIBRE_DIAMETER_MM: f64 = 0.15;
 /// Greatest pressure (kPa) where a description gives none: the 10 psi of the paper's tests.
 const DEFAULT_PRESSURE_MAX_KPA: f64 = 68.9;
 /// Spacers where a description does not say: FREEs of a module stand closer than one diameter apart and hold each other in place.
