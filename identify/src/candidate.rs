@@ -86,6 +86,11 @@ impl Tolerances {
 }
 
 impl Candidate {
+    /// One candidate from its kind's own start.
+    pub fn alone(kind: EffectKind, frees: &[usize]) -> Self {
+        Self::new(kind, frees)
+    }
+
     fn new(kind: EffectKind, frees: &[usize]) -> Self {
         let start = kind.parameters().iter().map(|parameter| parameter.start).collect();
         Candidate { kind, frees: frees.to_vec(), starts: vec![start] }

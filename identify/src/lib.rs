@@ -9,6 +9,9 @@ mod candidate;
 mod discrepancy;
 mod error;
 mod errors_seen;
+mod free;
+mod free_model;
+mod intervals;
 mod mechanics;
 mod module;
 mod objective;
@@ -24,6 +27,7 @@ mod watch;
 
 pub use candidate::Tolerances;
 pub use error::IdentifyError;
+pub use free::identify_free;
 pub use mechanics::{FreeMechanics, FreeResponse, Mechanics, ModuleMechanics, OUTPUTS, Response, Seen};
 pub use module::{Options, identify_module};
 pub use report::{Outcome, Series};

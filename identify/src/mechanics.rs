@@ -176,6 +176,11 @@ impl<'a> FreeMechanics<'a> {
         FreeMechanics { model, free }
     }
 
+    /// Outer diameter of the FREE at rest, m.
+    pub fn outer_diameter(&self) -> f64 {
+        2.0 * self.free.tube.outer_radius()
+    }
+
     /// Twist (rad), change of length (m), outer diameter (m); beyond the domain along the tangent at its edge.
     fn deformation(&self, pressure: f64, angle: f64) -> Result<[f64; 3], OutOfDomain> {
         let tube = self.free.tube;

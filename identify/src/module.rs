@@ -1,5 +1,6 @@
 use crate::candidate::{Candidate, Tolerances};
 use crate::errors_seen::errors;
+use crate::intervals::intervals;
 use crate::mechanics::{Mechanics, ModuleMechanics, OUTPUTS};
 use crate::report::{Outcome, Series};
 use crate::rows::{Arena, Rows, Samples, residuals, row_noise};
@@ -10,7 +11,6 @@ use crate::track::{Drive, Track, median};
 use crate::verdict::{Errors, Estimated, Finding, FoundEffect, Residual, Stages, Verdict};
 use crate::{IdentifyError, Watch};
 use actuator::MapParameter;
-use nalgebra::DMatrix;
 use record::{Motion, Recording};
 use rom::effect::{Chain, EffectKind};
 use std::collections::BTreeMap;
@@ -227,19 +227,6 @@ impl Found {
             .collect();
         Ok(Found { calibrated, setup, earned, alike, estimates })
     }
-}
-
-/// Estimates with intervals (1.96 standard errors), in the unit of their names.
-fn intervals(setup: &Setup, covariance: &DMatrix<f64>) -> Vec<(usize, usize, Estimated)> {
-    let mut all = Vec::new();
-    for (number, own) in setup.numbers.iter().enumerate() {
-        let half = 1.96 * covariance[(number, number)].max(0.0).sqrt();
-        let value = setup.value(number);
-        let unit = |value: f64| own.parameter.in_unit(value.clamp(own.parameter.lower, own.parameter.upper));
-        let estimated = Estimated { value: unit(value), ci95: [unit(value - half), unit(value + half)] };
-        all.extend(own.values.iter().map(|value| (own.effect, *value, estimated)));
-    }
-    all
 }
 
 /// Name and transformation of a calibration number as it is shown: factors instead of changes.

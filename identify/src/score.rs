@@ -54,6 +54,12 @@ pub fn gain(before: &[Option<f64>], after: &[Option<f64>]) -> Gain {
     }
 }
 
+/// As [`gain`], with the standard error of the root losses: a few blocks with heavy losses do not drown the others.
+pub fn root_gain(before: &[Option<f64>], after: &[Option<f64>]) -> Gain {
+    let root = |losses: &[Option<f64>]| losses.iter().map(|loss| loss.map(f64::sqrt)).collect::<Vec<_>>();
+    Gain { t: gain(&root(before), &root(after)).t, ..gain(before, after) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
