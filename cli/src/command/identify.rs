@@ -8,7 +8,9 @@ use crate::{
     table::duration,
 };
 use actuator::{Description, Rig};
-use identify::{IdentifyError, ModuleMechanics, Options, Watch, identify_module};
+use identify::{
+    FreeMechanics, IdentifyError, ModuleMechanics, Options, Watch, identify_free, identify_module,
+};
 use record::Recording;
 use rom::{Model, ModelContent};
 use std::{
@@ -20,8 +22,8 @@ use std::{
 ///
 /// The model from the description alone is calibrated within its own tolerances; then physical effects (lag of the supply,
 /// hysteresis, payload, stiffness, ...) are tried one by one and kept only if they improve the prediction of recordings that
-/// took no part in the fit (--holdout). A single FREE without --holdout is judged on cycles of loading and unloading that are
-/// left out of the fit.
+/// took no part in the fit (--holdout). A single FREE needs no --holdout: it is judged by parts of its loading and unloading that
+/// each fit leaves out.
 ///
 /// Leaves in DIR: identify.json, report.html, corrected.model, and base.map and base.model, which a second run reuses.
 #[derive(clap::Args)]
@@ -114,10 +116,14 @@ pub fn identified(
             let mechanics = ModuleMechanics::new(model, model.parameters(), module);
             identify_module(&mechanics, fit, held_out, &options, &watch)
         }
-        (ModelContent::Free(_), Description::Free(_)) => {
-            return Err(Failure::refused(
-                "single FREEs cannot be identified in this version; give a module's rig",
+        (ModelContent::Free(_), Description::Free(_)) if !held_out.is_empty() => {
+            return Err(Failure::usage(
+                "--holdout is for modules: a single FREE has few points, and is judged by parts of its own recordings that each \
+                 fit leaves out; give all of them by --recordings",
             ));
+        }
+        (ModelContent::Free(model), Description::Free(free)) => {
+            identify_free(&FreeMechanics::new(model, *free), fit, &options.tolerances, &watch)
         }
         _ => {
             return Err(Failure::usage(format!(
