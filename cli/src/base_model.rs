@@ -2,18 +2,21 @@
 
 use crate::{
     command::fit,
+    exit::Exit,
     failure::Failure,
     interrupt,
     map_file::MapFile,
     sweep::{self, Sweeping},
 };
-use actuator::{Description, Free, Rig, units::DEG};
+use actuator::{Description, Free, Module, ModuleMap, Rig, units::DEG};
 use fe::{FreeSweep, ModuleSweep};
 use rom::Model;
 use std::path::Path;
 
 /// Pressures beyond the rig's greatest that a rubber softer than described answers as if it stood under them.
 const BEYOND: f64 = 1.3;
+/// The same for modules, the first that converges everywhere: FREEs that hold each other come to their limits early.
+const MODULE_BEYOND: [f64; 5] = [1.3, 1.2, 1.12, 1.06, 1.0];
 /// Winding angles about the description's own, degrees: hand winding errs by 1 to 3.
 const ANGLES: [f64; 7] = [-6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0];
 /// Shear moduli as factors of the description's own: rubber, wall and coating act alike.
@@ -41,36 +44,58 @@ pub fn of(rig: &Rig, directory: &Path) -> Result<Model, Failure> {
 /// The map that identification needs; saved as it grows.
 fn map(rig: &Rig, save: &Path) -> Result<MapFile, Failure> {
     let sweeping = Sweeping { save: Some(save), ..Sweeping::whole() };
-    let (map, swept) = match &rig.description {
+    match &rig.description {
         Description::Free(free) => {
             let sweep = FreeSweep::default();
             let axes = free_axes(free, rig.limits.pressure_max[0]);
             let mut map = sweep::plan_free(&sweep, rig, *free, axes)?;
             let swept = sweeping.free(&sweep, &mut map)?;
-            (MapFile::Free(map), swept)
+            converged(rig, &swept.failed)?;
+            Ok(MapFile::Free(map))
         }
-        Description::Module(module) => {
-            let greatest: Vec<f64> =
-                rig.limits.pressure_max.iter().map(|pressure| pressure * BEYOND).collect();
-            let nodes = sweep::usual_nodes(module.frees.len());
-            let sweep = ModuleSweep::default();
+        Description::Module(module) => module_map(rig, module, &sweeping).map(MapFile::Module),
+    }
+}
+
+/// A module's map as far beyond its greatest pressures as all states converge.
+fn module_map(rig: &Rig, module: &Module, sweeping: &Sweeping) -> Result<ModuleMap, Failure> {
+    let sweep = ModuleSweep::default();
+    let mut refused = Ok(());
+    for beyond in MODULE_BEYOND {
+        let greatest: Vec<f64> = rig.limits.pressure_max.iter().map(|pressure| pressure * beyond).collect();
+        // The corners and the checks tell soon whether the whole is worth its time.
+        const CORNERS: usize = 2;
+        for nodes in [CORNERS, sweep::usual_nodes(module.frees.len())] {
             let mut map = sweep::plan_module(rig, module, &greatest, nodes, &sweep)?;
-            let swept = sweeping.module(&sweep, &mut map)?;
-            (MapFile::Module(map), swept)
+            let save = if nodes == CORNERS { None } else { sweeping.save };
+            let swept = Sweeping { save, ..*sweeping }.module(&sweep, &mut map)?;
+            refused = converged(rig, &swept.failed);
+            match &refused {
+                Err(_) => break,
+                Ok(()) if nodes == CORNERS => {}
+                Ok(()) => return Ok(map),
+            }
         }
-    };
+        if interrupt::is_asked() {
+            return Err(Failure::interrupted());
+        }
+    }
+    Err(refused.err().unwrap_or_else(Failure::interrupted))
+}
+
+fn converged<E: std::fmt::Display>(rig: &Rig, failed: &[E]) -> Result<(), Failure> {
     if interrupt::is_asked() {
         return Err(Failure::interrupted());
     }
-    match swept.failed.first() {
-        None => Ok(map),
+    match failed.first() {
+        None => Ok(()),
         Some(first) => Err(Failure::new(
-            crate::exit::Exit::NotConverged,
+            Exit::NotConverged,
             format!(
                 "{}: {} states of the base map did not converge, first {first}; make a map over smaller pressures with \
                  `freeact map`, fit it and give it by --model",
                 rig.path.display(),
-                swept.failed.len()
+                failed.len()
             ),
         )),
     }
