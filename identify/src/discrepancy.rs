@@ -49,6 +49,11 @@ impl Discrepancy {
         Discrepancy { basis }
     }
 
+    /// A constant alone, over `samples` samples.
+    pub fn constant(samples: usize) -> Self {
+        Discrepancy { basis: DMatrix::from_element(samples, 1, 1.0) }
+    }
+
     fn normal(&self, valid: &[f64]) -> Option<Cholesky<f64, Dyn>> {
         let mut weighted = self.basis.clone();
         for (mut row, value) in weighted.row_iter_mut().zip(valid) {

@@ -262,3 +262,107 @@ pub fn row_noise(
     }
     Ok(rows)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::{Response, Seen};
+    use rom::effect::{Effect, EffectKind};
+
+    /// Twist, extension and diameter as smooth functions of one pressure.
+    struct Smooth;
+
+    impl Mechanics for Smooth {
+        fn frees(&self) -> usize {
+            1
+        }
+
+        fn room(&self) -> Response {
+            Response::new(1, 0)
+        }
+
+        fn respond(&self, _: &Chain, pressures: &[f64], into: &mut Response) -> Result<(), OutOfDomain> {
+            let x = pressures[0] / 50e3;
+            into.values = [x + x * x, x * x * x, (2.0 * x).sin(), 0.0, 0.0, 0.0];
+            into.by_pressure[0] =
+                [1.0 + 2.0 * x, 3.0 * x * x, 2.0 * (2.0 * x).cos(), 0.0, 0.0, 0.0].map(|slope| slope / 50e3);
+            Ok(())
+        }
+
+        fn observe(&self, _: &Chain, response: &Response) -> Seen {
+            let [a, b, c, ..] = response.values;
+            Seen::Free([a, b, c])
+        }
+
+        fn length(&self) -> f64 {
+            1.0
+        }
+    }
+
+    fn track() -> Track {
+        let time: Vec<f64> = (0..200).map(|k| 0.05 * f64::from(k)).collect();
+        let command: Vec<f64> =
+            time.iter().map(|t| 20e3 * (1.0 + (1.3 * t).sin()) + 2e3 * (5.0 * t).cos()).collect();
+        let count = time.len();
+        Track {
+            name: "waves".into(),
+            time,
+            reading: Some(command.clone()),
+            command: Some(command),
+            read: vec![true; count],
+            seen: vec![Some(Seen::Free([0.1; 3])); count],
+            frees: 1,
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_residuals() {
+        let tracks = [track()];
+        let samples = Samples::evenly(&tracks, 50, 2.0);
+        for (kind, values, arena) in [
+            (EffectKind::Stiffness, vec![0.1], Arena::Seen(Drive::Reading)),
+            (EffectKind::Hysteresis, vec![1.5e3, 0.6], Arena::Seen(Drive::Reading)),
+            (EffectKind::Creep, vec![0.1, 3.0], Arena::Seen(Drive::Reading)),
+            (EffectKind::PressureBias, vec![300.0], Arena::Seen(Drive::Reading)),
+            (EffectKind::PressureBias, vec![300.0], Arena::Supplied),
+            (EffectKind::SupplyLag, vec![0.2, 0.3], Arena::Supplied),
+            (EffectKind::SupplyLag, vec![0.2, 0.3], Arena::Seen(Drive::Command)),
+        ] {
+            let setup = Setup::default().with_effect(Effect { kind, frees: vec![0], values });
+            let linearised = linearise(&Smooth, &samples, arena, &setup).unwrap();
+            for number in 0..setup.numbers.len() {
+                let step = 1e-4 * setup.numbers[number].parameter.scale;
+                let moved = |step: f64| {
+                    let mut moved = setup.clone();
+                    moved.set(number, setup.value(number) + step);
+                    residuals(&Smooth, &samples, arena, &moved.chain).unwrap()
+                };
+                let (up, down) = (moved(step), moved(-step));
+                let column = &linearised.columns[number].channels;
+                let most =
+                    column.iter().flatten().filter(|v| v.is_finite()).fold(0.0f64, |m, v| m.max(v.abs()));
+                assert!(most > 0.0, "{kind:?} number {number} is felt");
+                for (channel, (up, down)) in column.iter().zip(up.channels.iter().zip(&down.channels)) {
+                    for (own, (up, down)) in channel.iter().zip(up.iter().zip(down)) {
+                        // Forward differences with 1e-5 of the scale: curvature leaves that share of the slope, times a few.
+                        let difference = (up - down) / (2.0 * step);
+                        assert!(
+                            own.is_nan() || (own - difference).abs() < 1e-3 * most,
+                            "{kind:?} {number}: {own} {difference}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn blocks_do_not_reach_over_recordings() {
+        let tracks = [track(), track()];
+        let samples = Samples::evenly(&tracks, 100, 3.0);
+        let first = samples.picked[0].len();
+        assert!(samples.blocks[first - 1] < samples.blocks[first]);
+        assert_eq!(samples.blocks[0], 0);
+        assert!(samples.blocks.windows(2).all(|pair| pair[1] - pair[0] <= 1));
+    }
+}

@@ -172,3 +172,14 @@ fn the_answer_has_the_documented_shape() {
     let back: Verdict = serde_json::from_value(json).unwrap();
     assert_eq!(back, verdict);
 }
+
+#[test]
+fn the_sets_are_kept_apart_in_what_is_reported() {
+    let outcome = identify(vec![], 0.0, 0.0);
+    let named = |held_out: bool| -> Vec<&str> {
+        let chosen = outcome.series.iter().filter(|series| series.is_held_out == held_out);
+        chosen.map(|series| series.name.as_str()).collect()
+    };
+    assert_eq!(named(false), ["staircase", "triangles", "setpoints", "holds"]);
+    assert_eq!(named(true), ["smooth"]);
+}
