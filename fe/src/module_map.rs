@@ -2,7 +2,9 @@ use crate::{
     RodError, RodModule, RodSettings, Run, SectionError, SectionLaw, SectionMesh, SectionSolver,
     SectionTable, Shard, TableError, TableGrid, free_map::next_fraction,
 };
-use actuator::{Free, FreePath, Handedness, Limits, Module, ModuleCheck, ModuleMap, ModuleState, units::KPA};
+use actuator::{
+    Free, FreePath, Handedness, Limits, Module, ModuleCheck, ModuleMap, ModuleState, units::KPA, units::MM,
+};
 use std::sync::{
     Arc,
     atomic::{AtomicUsize, Ordering},
@@ -97,11 +99,18 @@ pub struct ModuleSweepReport {
     pub failed: Vec<FailedState>,
 }
 
+/// Least width (m) over which a thread is spread in the section of a module's FREE. A FREE that others turn against its own
+/// sense under pressure has its threads pulled tight: narrow ones then cut into the wall, which bulges between them in a snap
+/// (0.15 mm: from 10 rad/m at 40 kPa in a 40 degree FREE). Module states there would hang on a width that nobody measures; the
+/// price is up to about 2 % of a free FREE's twist, far less of its stretch, expansion and limit pressure.
+const LEAST_WIDTH: f64 = 1.2e-3;
+
 /// What a FREE's section depends on: neither its length nor, but for the mirror, its hand.
 fn section_of(free: &Free) -> Free {
     let mut section = *free;
     section.tube.length = 1.0;
     section.winding.handedness = Handedness::Right;
+    section.winding.fibre.diameter = section.winding.fibre.diameter.max(LEAST_WIDTH);
     section
 }
 
@@ -162,8 +171,9 @@ impl ModuleSweep {
         let SectionMesh { radial, under_fibre, between_fibres } = self.mesh;
         format!(
             "{}; section laws tabulated from half a fibre pitch of {radial} elements through the wall, {under_fibre} under half \
-             a fibre, {between_fibres} beside it; {} checks, seed {}",
+             a fibre, {between_fibres} beside it, threads spread over {:.1} mm at least; {} checks, seed {}",
             self.rods.describe(),
+            LEAST_WIDTH / MM,
             self.checks,
             self.seed
         )

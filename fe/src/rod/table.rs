@@ -70,7 +70,8 @@ impl TableGrid {
         let fold =
             |start: f64, f: fn(f64, f64) -> f64| within().map(|state| state.axial_stretch).fold(start, f);
         let (least, greatest) = (fold(1.0, f64::min), fold(1.0, f64::max));
-        let margin = 0.04 + 0.25 * (greatest - least);
+        // Held in a bundle, a FREE is bent by the others: an arm of a diameter, a bend of a radian in ten diameters.
+        let margin = 0.12 + 0.25 * (greatest - least);
         let twist = within().map(|state| state.twist_per_length.abs()).fold(0.0, f64::max);
         let twist = 1.1 * twist + 0.05 / b;
         let (mut shear, mut drift) = (0.0, 0.0);
