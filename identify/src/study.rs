@@ -8,7 +8,7 @@ use crate::setup::Setup;
 use crate::track::{Drive, median};
 use crate::{IdentifyError, Watch};
 use rayon::prelude::*;
-use rom::effect::{EffectKind, Link};
+use rom::effect::{Effect, EffectKind, Link};
 
 /// The data of an identification and what is known of their noise.
 pub struct Study<'a> {
@@ -286,7 +286,7 @@ impl<'a> Search<'a> {
                     // Candidates that are judged on different residuals are ranked by what they take from all of them.
                     let best = self.best_channel(&setup, &joined, &parts)?;
                     let whole = gain(&self.losses(&setup, &all)?, &self.losses(&joined, &all)?);
-                    let earns = self.earns(candidate, own, best);
+                    let earns = self.earns(candidate, own, best) && !self.is_noise_filter(candidate, &joined);
                     Ok((candidate.clone(), joined, Gain { loss: whole.loss, ..own }, earns))
                 })
                 .collect::<Result<_, IdentifyError>>()?;
@@ -309,6 +309,18 @@ impl<'a> Search<'a> {
             earned.push(Earned { candidate, gain, phase: self.phase });
         }
         self.prune(start, setup, earned)
+    }
+
+    /// Whether a hysteresis is so narrow that it acts on the noise of the pressure reading: a play of that width smooths the reading, which predicts a
+    /// little better and says nothing of the rubber.
+    fn is_noise_filter(&self, candidate: &Candidate, setup: &Setup) -> bool {
+        // Noise stays within three standard deviations.
+        let least = 3.0 * self.study.reading_noise;
+        let of_candidate =
+            |effect: &&Effect| effect.kind == candidate.kind && effect.frees == candidate.frees;
+        self.study.drive == Drive::Reading
+            && candidate.kind == EffectKind::Hysteresis
+            && setup.chain.effects.iter().find(of_candidate).is_some_and(|effect| effect.values[0] < least)
     }
 
     /// Whether a candidate earns its place: by what it takes from all channels, or, without memory, by what it takes from the channel that gains most.

@@ -183,3 +183,16 @@ fn the_sets_are_kept_apart_in_what_is_reported() {
     assert_eq!(named(false), ["staircase", "triangles", "setpoints", "holds"]);
     assert_eq!(named(true), ["smooth"]);
 }
+
+#[test]
+fn a_play_as_narrow_as_the_noise_is_no_hysteresis() {
+    // Long holds judge best what smooths the reading: there a play of one standard deviation of its noise gains.
+    let (mut fit, mut held) = recordings(vec![], 0.0, 0.0);
+    std::mem::swap(&mut fit[3], &mut held[0]);
+    let (model, module) = (Synthetic::fitted(), module());
+    let mechanics = ModuleMechanics::new(&model, &PARAMETERS, &module);
+    let stop = AtomicBool::new(false);
+    let watch = Watch { tell: &|_| (), stop: &stop };
+    let verdict = identify_module(&mechanics, &fit, &held, &Options::default(), &watch).unwrap().verdict;
+    assert_eq!((verdict.verdict, names(&verdict)), (Finding::NothingMissing, vec![]));
+}
