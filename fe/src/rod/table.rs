@@ -52,7 +52,7 @@ pub enum TableError {
 }
 
 /// Spacing of the table: stretch, and twist times the outer radius.
-const SPACING: (f64, f64) = (0.025, 0.05);
+const SPACING: (f64, f64) = (0.025, 0.04);
 /// Most nodes a direction.
 const MOST_NODES: usize = 45;
 /// Pressure planes, denser towards zero, where the fibres' slackness shows.
