@@ -31,7 +31,7 @@ pub use elastomer::{Elastomer, OgdenForm};
 pub use free::Free;
 pub use free_map::{FreeMap, FreePath, FreeState, PathEnd};
 pub use module::{Base, Limits, Module, PlacedFree, Tip};
-pub use module_map::{MapParameter, ModuleCheck, ModuleMap, ModuleState};
+pub use module_map::{MapParameter, ModuleCheck, ModuleMap, ModuleState, PAYLOAD_STEP, payload_curvature};
 pub use pose::{PoseChart, TipPose, wrap_angle};
 pub use tube::Tube;
 pub use winding::{Fibre, FibreLaw, Handedness, Winding};

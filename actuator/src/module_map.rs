@@ -4,10 +4,22 @@ use serde::{Deserialize, Serialize};
 /// A quantity of the module that is known less well than its pressures, to which a map keeps its sensitivity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum MapParameter {
-    /// Mass carried at the tip plate's centre, kg, beyond the description's own.
+    /// Mass m carried at the tip plate's centre, kg, beyond the description's own: the slope at m = 0.
     Payload,
+    /// How the pose departs from that slope as m grows, by the factor [`payload_curvature`] in kg^2: a mass that hangs straightens a
+    /// module the less the straighter it is.
+    PayloadCurvature,
     /// Factor on the bending stiffness of every FREE, minus one.
     BendingStiffness,
+}
+
+/// The mass (kg) at which [`MapParameter::PayloadCurvature`] makes the pose exact.
+pub const PAYLOAD_STEP: f64 = 0.05;
+
+/// m^2/(1 + |m|/M), kg^2, with M = [`PAYLOAD_STEP`]: a parabola for small masses, a line for large ones, because a straightened
+/// module does not bend back. The chart at a payload m is `chart + m slope(Payload) + payload_curvature(m) slope(PayloadCurvature)`.
+pub fn payload_curvature(mass: f64) -> f64 {
+    mass * mass / (1.0 + mass.abs() / PAYLOAD_STEP)
 }
 
 /// A converged equilibrium of a module.

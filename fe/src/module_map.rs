@@ -1,9 +1,10 @@
 use crate::{
-    RodError, RodModule, RodSettings, Run, SectionError, SectionLaw, SectionMesh, SectionSolver,
+    Equilibrium, RodError, RodModule, RodSettings, Run, SectionError, SectionLaw, SectionMesh, SectionSolver,
     SectionTable, Shard, TableError, TableGrid, free_map::next_fraction,
 };
 use actuator::{
-    Free, FreePath, Handedness, Limits, Module, ModuleCheck, ModuleMap, ModuleState, units::KPA, units::MM,
+    Free, FreePath, Handedness, Limits, MapParameter, Module, ModuleCheck, ModuleMap, ModuleState,
+    PAYLOAD_STEP, payload_curvature, units::KPA, units::MM,
 };
 use std::sync::{
     Arc,
@@ -120,6 +121,22 @@ fn first_alike(module: &Module) -> Vec<usize> {
     sections.iter().map(|own| sections.iter().position(|other| other == own).unwrap_or_default()).collect()
 }
 
+/// Parameters whose slopes each state of a map carries, in this order.
+const PARAMETERS: [MapParameter; 3] =
+    [MapParameter::Payload, MapParameter::BendingStiffness, MapParameter::PayloadCurvature];
+
+/// The state of an equilibrium, with how its pose departs from its slope at a payload, from the module that carries one.
+fn with_payload_curvature(found: &Equilibrium, loaded: &RodModule) -> Result<ModuleState, RodError> {
+    let mut state = found.state.clone();
+    let heavy = loaded.solve_from(found, &found.pressures)?.state.chart.to_array();
+    let (light, slope) = (state.chart.to_array(), state.slopes[0]);
+    let step = PAYLOAD_STEP;
+    state
+        .slopes
+        .push(std::array::from_fn(|k| (heavy[k] - light[k] - slope[k] * step) / payload_curvature(step)));
+    Ok(state)
+}
+
 fn check_axes(module: &Module, pressures: &[Vec<f64>]) -> Result<(), ModuleSweepError> {
     for free in 0..module.frees.len().max(pressures.len()) {
         let error = |problem: &str| Err(ModuleSweepError::Axis { free, problem: problem.to_owned() });
@@ -154,7 +171,7 @@ impl ModuleSweep {
         let mut map = ModuleMap {
             module,
             limits,
-            parameters: RodModule::PARAMETERS.to_vec(),
+            parameters: PARAMETERS.to_vec(),
             pressures,
             states: Vec::new(),
             checks: Vec::new(),
@@ -279,22 +296,26 @@ impl ModuleSweep {
         };
         let rods = RodModule::new(&map.module, laws, self.rods)?;
         let rest = rods.rest()?;
+        let mut loaded = map.module.clone();
+        loaded.tip.payload += PAYLOAD_STEP;
+        let loaded = RodModule::new(&loaded, rods.laws(), self.rods)?;
 
         let next = AtomicUsize::new(0);
         let (sender, receiver) = mpsc::channel::<(usize, Vec<(Vec<f64>, Result<ModuleState, RodError>)>)>();
         let wanted: Vec<Vec<Vec<f64>>> = lines.iter().map(|line| line.pressures(map)).collect();
         std::thread::scope(|scope| {
             for _ in 0..run.jobs.clamp(1, lines.len()) {
-                let (sender, next, wanted, rods, rest) = (sender.clone(), &next, &wanted, &rods, &rest);
+                let (sender, next, wanted, rods, loaded, rest) =
+                    (sender.clone(), &next, &wanted, &rods, &loaded, &rest);
                 scope.spawn(move || {
                     while !run.is_stopped() {
                         let index = next.fetch_add(1, Ordering::Relaxed);
                         let Some(line) = wanted.get(index) else { break };
                         let mut last = rest.clone();
                         let follow = |pressures: &Vec<f64>| {
-                            let found = rods.solve_from(&last, pressures).map(|found| {
+                            let found = rods.solve_from(&last, pressures).and_then(|found| {
                                 last = found;
-                                last.state.clone()
+                                with_payload_curvature(&last, loaded)
                             });
                             (pressures.clone(), found)
                         };

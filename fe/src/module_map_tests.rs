@@ -145,3 +145,30 @@ fn axes_and_shapes_are_checked() {
         Err(ModuleSweepError::Shape { expected: 9, found: 8 })
     ));
 }
+
+/// A bent, hanging pair under payloads: the slope alone overstates how far they straighten it, slope and curvature do not.
+#[test]
+fn payloads_are_predicted_by_slope_and_curvature() {
+    let mut map = empty(&sweep());
+    fill(&mut map, Shard::WHOLE, 2);
+    let node = 6;
+    let state = map.states[node].as_ref().unwrap();
+    for payload in [0.01, 0.03, 0.05] {
+        let mut loaded = empty(&sweep());
+        loaded.module.tip.payload = payload;
+        fill(&mut loaded, Shard::WHOLE, 2);
+        let exact = loaded.states[node].as_ref().unwrap().chart.to_array();
+        let [by_slope, by_both] = [0.0, 1.0].map(|curved| {
+            let factors = [payload, 0.0, curved * payload_curvature(payload)];
+            let predicted = state.chart.to_array();
+            let off = (0..6).map(|k| {
+                let change: f64 =
+                    factors.iter().zip(&state.slopes).map(|(factor, slope)| factor * slope[k]).sum();
+                // Angles count by the length of the pair.
+                (predicted[k] + change - exact[k]) * if k < 3 { 0.1 } else { 1.0 }
+            });
+            off.fold(0.0f64, |most, off| most.max(off.abs()))
+        });
+        assert!(by_both < 0.1 * by_slope, "{payload} kg: {by_slope} m by the slope, {by_both} m by both");
+    }
+}

@@ -1,4 +1,4 @@
-use actuator::{MapParameter, Module, PoseChart, TipPose};
+use actuator::{MapParameter, Module, PoseChart, TipPose, payload_curvature};
 use nalgebra::Vector3;
 use rom::effect::{Chain, Loads, evaluate_near, overshoot};
 use rom::{OutOfDomain, PoseEvaluation, PoseModel};
@@ -82,6 +82,7 @@ pub trait Mechanics: Sync {
 pub struct ModuleMechanics<'a> {
     model: &'a (dyn PoseModel + Sync),
     payload: Option<usize>,
+    payload_curvature: Option<usize>,
     bending: Option<usize>,
     slopes: usize,
     hanging_mass: f64,
@@ -95,6 +96,7 @@ impl<'a> ModuleMechanics<'a> {
         ModuleMechanics {
             model,
             payload: at(MapParameter::Payload),
+            payload_curvature: at(MapParameter::PayloadCurvature),
             bending: at(MapParameter::BendingStiffness),
             slopes: parameters.len(),
             hanging_mass: Loads::hanging_mass(module),
@@ -106,6 +108,7 @@ impl<'a> ModuleMechanics<'a> {
     pub fn has(&self, parameter: MapParameter) -> bool {
         match parameter {
             MapParameter::Payload => self.payload.is_some(),
+            MapParameter::PayloadCurvature => self.payload_curvature.is_some(),
             MapParameter::BendingStiffness => self.bending.is_some(),
         }
     }
@@ -138,7 +141,12 @@ impl Mechanics for ModuleMechanics<'_> {
     fn observe(&self, chain: &Chain, response: &Response) -> Seen {
         let loads = chain.loads(self.hanging_mass);
         let mut values = response.values;
-        for (slope, change) in [(self.payload, loads.mass), (self.bending, loads.bending_stiffness)] {
+        let changes = [
+            (self.payload, loads.mass),
+            (self.payload_curvature, payload_curvature(loads.mass)),
+            (self.bending, loads.bending_stiffness),
+        ];
+        for (slope, change) in changes {
             let Some(slope) = slope else { continue };
             for (value, slope) in values.iter_mut().zip(&response.slopes[slope]) {
                 *value += slope * change;

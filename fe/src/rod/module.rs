@@ -7,7 +7,7 @@ use super::{
     plate::{Plate, PlateVariation},
 };
 use crate::SectionLaw;
-use actuator::{MapParameter, Module, ModuleState, units::STANDARD_GRAVITY};
+use actuator::{Module, ModuleState, units::STANDARD_GRAVITY};
 use nalgebra::{Matrix6, UnitQuaternion, Vector3, Vector6};
 use std::sync::Arc;
 
@@ -137,6 +137,11 @@ impl RodModule {
     /// The module that is modelled.
     pub fn module(&self) -> &Module {
         &self.module
+    }
+
+    /// The section law of each FREE.
+    pub fn laws(&self) -> Vec<Arc<dyn SectionLaw>> {
+        self.laws.clone()
     }
 
     fn chains(&self, part: f64) -> Vec<Chain<'_>> {
@@ -403,12 +408,10 @@ impl RodModule {
             factored.plate.first.transpose() * chain.columns.column(index)
         };
         let gravity = Vector3::from(self.module.base.gravity) * -STANDARD_GRAVITY;
-        let slopes = Self::PARAMETERS.map(|parameter| match parameter {
-            MapParameter::Payload => slope(Vector6::new(gravity.x, gravity.y, gravity.z, 0.0, 0.0, 0.0)),
-            MapParameter::BendingStiffness => {
-                slope(factored.condensed.iter().map(|chain| column(Chain::BENDING_COLUMN, chain)).sum())
-            }
-        });
+        let slopes = [
+            slope(Vector6::new(gravity.x, gravity.y, gravity.z, 0.0, 0.0, 0.0)),
+            slope(factored.condensed.iter().map(|chain| column(Chain::BENDING_COLUMN, chain)).sum()),
+        ];
         let mut pressure_jacobian = vec![[0.0; 6]; self.laws.len()];
         for (chain, condensed) in chains.iter().zip(&factored.condensed) {
             for (place, member) in chain.members.iter().enumerate() {
@@ -429,9 +432,6 @@ impl RodModule {
             pressure_jacobian,
         })
     }
-
-    /// Parameters whose slopes each state carries, in this order.
-    pub const PARAMETERS: [MapParameter; 2] = [MapParameter::Payload, MapParameter::BendingStiffness];
 }
 
 impl Factored {
