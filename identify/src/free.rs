@@ -379,10 +379,12 @@ impl FreeStudy<'_> {
                 gain_held_out: gain.share,
             })
             .collect();
+        let mut at_a_bound = false;
         for (effect, value, estimated) in intervals(&whole.setup, &whole.covariance) {
             let kind = whole.setup.chain.effects[effect].kind;
             let parameter = kind.parameters()[value];
             if [parameter.lower, parameter.upper].contains(&whole.setup.chain.effects[effect].values[value]) {
+                at_a_bound = true;
                 findings.push(format!(
                     "{} of {} ended at its bound: it stands for something that the base model has otherwise",
                     parameter.name,
@@ -401,7 +403,8 @@ impl FreeStudy<'_> {
             }
         }
         let (left, words) = self.left(&after);
-        let verdict = match (left <= MODEL_ERROR, effects.is_empty()) {
+        // An effect driven to the end of what it can be is a name for something else.
+        let verdict = match (left <= MODEL_ERROR && !at_a_bound, effects.is_empty()) {
             (false, _) => Finding::Unexplained,
             (true, true) => Finding::NothingMissing,
             (true, false) => Finding::Explained,
