@@ -42,8 +42,11 @@ pub trait PoseModel {
     fn domain(&self) -> &[(f64, f64)];
     /// Pose and derivatives at the pressures (Pa), without allocation.
     ///
+    /// Of d(chart)/d(parameter) it fills as many as `into` has room for: a caller that wants none makes no room. Room beyond
+    /// the model's parameters is left as it was.
+    ///
     /// # Panics
-    /// When there are not as many pressures, or not as much room in `into`, as the model has FREEs and parameters.
+    /// When there are not as many pressures, or not as many derivatives in `into`, as the model has FREEs.
     fn evaluate(&self, pressures: &[f64], into: &mut PoseEvaluation) -> Result<(), OutOfDomain>;
 
     /// As [`PoseModel::evaluate`], but a pressure may lie up to `reach` (Pa) outside the domain: the pose is then continued

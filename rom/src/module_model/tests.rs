@@ -41,6 +41,24 @@ fn the_pose_and_its_derivatives_are_those_of_the_map() {
 }
 
 #[test]
+fn as_many_parameter_slopes_are_filled_as_there_is_room_for() {
+    let model = model(&[6, 6]);
+    let mut full = model.workspace();
+    let parameters = full.slopes.len();
+    assert!(parameters > 1, "the synthetic map has parameters");
+    model.evaluate(&[20e3, 30e3], &mut full).unwrap();
+    for room in 0..=parameters + 1 {
+        let mut into = PoseEvaluation::new(2, room);
+        into.slopes.fill([7.0; 6]);
+        model.evaluate(&[20e3, 30e3], &mut into).unwrap();
+        assert_eq!((into.chart, &into.jacobian), (full.chart, &full.jacobian), "room for {room}");
+        let filled = room.min(parameters);
+        assert_eq!(into.slopes[..filled], full.slopes[..filled], "room for {room}");
+        assert!(into.slopes[filled..].iter().all(|slope| *slope == [7.0; 6]), "room for {room}");
+    }
+}
+
+#[test]
 fn errors_are_those_of_the_check_states_and_of_nothing_else() {
     let mut map = module_map(vec![even(6), even(6)], 40);
     let model = ModuleModel::fit(&map).unwrap();
