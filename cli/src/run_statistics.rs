@@ -19,7 +19,55 @@ pub struct RunStatistics {
     margin: Vec<f64>,
     time: Vec<f64>,
     held: usize,
+    missed: Vec<Stretch>,
+    last_was_missed: bool,
 }
+
+/// Successive targets that were not reached.
+#[derive(Clone, Debug, PartialEq)]
+struct Stretch {
+    /// Times of the first and the last, s.
+    from: f64,
+    to: f64,
+    /// Number of targets.
+    targets: usize,
+    /// Greatest distance and angle from a target, m and rad; NaN where none was measured.
+    position: f64,
+    rotation: f64,
+    /// Bounds that held an answer, each once, and what the solver said of the target farthest off.
+    held_by: Vec<String>,
+    reason: String,
+}
+
+impl Stretch {
+    fn add(&mut self, solve: &SolveRecord) {
+        self.to = solve.time;
+        self.targets += 1;
+        // `max` passes over NaN.
+        if self.reason.is_empty() || solve.position_residual > self.position {
+            self.reason.clone_from(&solve.reason);
+        }
+        self.position = self.position.max(solve.position_residual);
+        self.rotation = self.rotation.max(solve.rotation_residual);
+        for bound in &solve.active_bound {
+            if !self.held_by.contains(bound) {
+                self.held_by.push(bound.clone());
+                self.held_by.sort();
+            }
+        }
+    }
+
+    fn json(&self) -> Value {
+        let number = |value: f64, unit: f64| value.is_finite().then_some(value / unit);
+        json!({
+            "from_s": self.from, "to_s": self.to, "targets": self.targets, "held_by": self.held_by, "reason": self.reason,
+            "position_error_max_mm": number(self.position, MM), "rotation_error_max_deg": number(self.rotation, DEG),
+        })
+    }
+}
+
+/// Stretches that the table shows; the JSON has them all.
+const SHOWN: usize = 8;
 
 impl RunStatistics {
     /// Counts a solve.
@@ -29,6 +77,24 @@ impl RunStatistics {
             "refused" => self.refused += 1,
             _ => self.unreachable += 1,
         }
+        let is_missed = solve.status != "reached";
+        if is_missed {
+            if !self.last_was_missed {
+                self.missed.push(Stretch {
+                    from: solve.time,
+                    to: solve.time,
+                    targets: 0,
+                    position: f64::NAN,
+                    rotation: f64::NAN,
+                    held_by: Vec::new(),
+                    reason: String::new(),
+                });
+            }
+            if let Some(stretch) = self.missed.last_mut() {
+                stretch.add(solve);
+            }
+        }
+        self.last_was_missed = is_missed;
         self.held += usize::from(!solve.active_bound.is_empty());
         self.time.push(solve.duration);
         for (list, value) in [
@@ -87,14 +153,61 @@ impl RunStatistics {
         }
         let text = table.text();
         let margin = self.margin.iter().copied().fold(f64::INFINITY, f64::min);
+        let missed = self.missed_table();
         format!(
-            "{text}\n  pressures never nearer than {} kPa to a limit; {} solves held by a bound\n  time of a solve: median {}, 99 % below {}, worst {}\n",
+            "{text}{missed}\n  pressures never nearer than {} kPa to a limit; {} solves held by a bound\n  time of a solve: median {}, 99 % below {}, worst {}\n",
             short(margin / KPA),
             self.held,
             duration(self.median_time()),
             duration(share(&self.time, 0.99)),
             duration(greatest(&self.time))
         )
+    }
+
+    /// When targets were missed, by how much, and what held the pressures there.
+    fn missed_table(&self) -> String {
+        if self.missed.is_empty() {
+            return String::new();
+        }
+        let turned = !self.rotation.is_empty();
+        let mut head = vec!["<not reached (s)", "targets", "off by (mm)"];
+        head.extend(turned.then_some("off by (°)"));
+        head.push("<held by");
+        let mut table = Table::with_head(head.into_iter().map(str::to_owned).collect());
+        for stretch in self.missed.iter().take(SHOWN) {
+            let mut row = vec![
+                if stretch.from == stretch.to {
+                    format!("{:.3}", stretch.from)
+                } else {
+                    format!("{:.3} to {:.3}", stretch.from, stretch.to)
+                },
+                stretch.targets.to_string(),
+                short(stretch.position / MM),
+            ];
+            row.extend(turned.then(|| short(stretch.rotation / DEG)));
+            row.push(if !stretch.held_by.is_empty() {
+                stretch.held_by.join(", ")
+            } else if stretch.position.is_finite() {
+                "the shape of the reachable set".into()
+            } else {
+                stretch.reason.clone()
+            });
+            table.row_of(row);
+        }
+        let mut text = format!("\n{}", table.text());
+        if self.missed.len() > SHOWN {
+            text += &format!("  and {} more stretches\n", self.missed.len() - SHOWN);
+        }
+        let held = |part: &str| {
+            self.missed.iter().flat_map(|stretch| &stretch.held_by).any(|bound| bound.contains(part))
+        };
+        if held("_rate_") {
+            text += "  _rate_up, _rate_down: the pressure cannot follow faster (limits.pressure_rate_kpa_s); give the waypoints more time there\n";
+        }
+        if held("_min") || held("_max") {
+            text += "  _min, _max: the pressure is at its bound; where nothing but such bounds holds the tip, the path lies outside what it reaches\n";
+        }
+        text
     }
 
     /// The numbers for programs.
@@ -108,6 +221,7 @@ impl RunStatistics {
             "rotation_error_max_deg": (!self.rotation.is_empty()).then(|| greatest(&self.rotation) / DEG),
             "limit_margin_min_kpa": margin.is_finite().then_some(margin / KPA),
             "held_by_a_bound": self.held,
+            "not_reached": self.missed.iter().map(Stretch::json).collect::<Vec<_>>(),
             "time_us": { "median": self.median_time() * 1e6, "p99": share(&self.time, 0.99) * 1e6, "max": greatest(&self.time) * 1e6 },
         })
     }
@@ -151,6 +265,52 @@ mod tests {
         assert_eq!(statistics.json()["position_error_max_mm"], 5.0);
         assert!(statistics.json()["rotation_error_max_deg"].is_null());
         assert!(statistics.table().contains("never nearer than 10.00 kPa"), "{}", statistics.table());
+    }
+
+    #[test]
+    fn missed_targets_are_told_by_time_and_bound() {
+        let mut statistics = RunStatistics::default();
+        let ticks = [
+            (0.0, 1e-6, ""),
+            (0.1, 1e-3, "p2_rate_up"),
+            (0.2, 2e-3, "p1_min"),
+            (0.3, 1e-6, "p1_min"),
+            (0.4, 3e-3, ""),
+        ];
+        for (time, error, bound) in ticks {
+            let missed = error > 1e-4;
+            statistics.add(&SolveRecord {
+                time,
+                status: if missed { "unreachable" } else { "reached" }.into(),
+                reason: if missed { format!("off at {time}") } else { String::new() },
+                active_bound: if bound.is_empty() { vec![] } else { vec![bound.into()] },
+                position_residual: error,
+                rotation_residual: f64::NAN,
+                limit_margin: 1e4,
+                duration: 1e-4,
+                ..SolveRecord::default()
+            });
+        }
+        let json = &statistics.json()["not_reached"];
+        assert_eq!(json.as_array().map(Vec::len), Some(2));
+        assert_eq!(
+            (&json[0]["from_s"], &json[0]["to_s"], &json[0]["targets"]),
+            (&json!(0.1), &json!(0.2), &json!(2))
+        );
+        assert_eq!(
+            (&json[0]["held_by"], &json[0]["reason"]),
+            (&json!(["p1_min", "p2_rate_up"]), &json!("off at 0.2"))
+        );
+        assert_eq!(
+            (&json[1]["position_error_max_mm"], &json[1]["rotation_error_max_deg"]),
+            (&json!(3.0), &Value::Null)
+        );
+        let table = statistics.table();
+        for words in
+            ["0.100 to 0.200", "p1_min, p2_rate_up", "pressure_rate_kpa_s", "0.400", "shape of the reachable"]
+        {
+            assert!(table.contains(words), "{words} is not in\n{table}");
+        }
     }
 
     #[test]

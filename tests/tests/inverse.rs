@@ -108,35 +108,80 @@ fn impossible_targets_are_refused_in_words() {
     }
 }
 
-/// A path, tracked into a log.
-fn tracked(folder: &Path) {
+/// A path, tracked into a log: the poses along straight lines between four sets of pressures.
+///
+/// Straight lines between the poses of those four alone would leave the reachable set: it is curved, and pressures do not
+/// go below zero. The pressures keep 6 kPa above that, and waypoints so near each other that a chord stays inside too.
+fn tracked(folder: &Path) -> freeact_tests::Outcome {
     fitted_model(folder);
-    let pressures = [[0.0; 4], [30.0, 5.0, 0.0, 5.0], [20.0, 20.0, 0.0, 0.0], [0.0, 10.0, 25.0, 10.0]];
-    write_pressures(&folder.join("corners.csv"), &pressures);
+    let corners = [[10.0; 4], [32.0, 10.0, 6.0, 10.0], [22.0, 24.0, 6.0, 6.0], [6.0, 14.0, 28.0, 14.0]];
+    let between = |index: usize| -> [f64; 4] {
+        let (leg, part) = ((index / 10).min(2), index as f64 / 10.0 - (index / 10).min(2) as f64);
+        std::array::from_fn(|free| corners[leg][free] + part * (corners[leg + 1][free] - corners[leg][free]))
+    };
+    write_pressures(&folder.join("corners.csv"), &(0..=30).map(between).collect::<Vec<_>>());
     run(folder, "predict --model @m.model --pressures @corners.csv --out @poses.csv").succeeded();
     let poses = Table::read(&folder.join("poses.csv"));
     let mut waypoints = "t_s,x_mm,y_mm,z_mm\n".to_owned();
     for (index, row) in poses.rows.iter().enumerate() {
         let at = |column: &str| poses.number(row, column);
-        waypoints += &format!("{},{},{},{}\n", index, at("x_mm"), at("y_mm"), at("z_mm"));
+        waypoints += &format!("{},{},{},{}\n", 0.1 * index as f64, at("x_mm"), at("y_mm"), at("z_mm"));
     }
     fs::write(folder.join("w.csv"), waypoints).expect("written");
-    run(folder, "track --model @m.model --waypoints @w.csv --rate-hz 50 --out @run.mcap").succeeded();
+    run(folder, "track --json --model @m.model --waypoints @w.csv --rate-hz 50 --out @run.mcap").succeeded()
 }
 
 #[test]
 fn a_tracked_path_is_replayed_bit_for_bit() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    tracked(folder.path());
+    let tracked = tracked(folder.path()).json();
     let answer = run(folder.path(), "replay @run.mcap --html @report.html --json").succeeded().json();
     assert_eq!(answer["identical"], true, "{answer}");
     assert!(answer["solves"].as_u64().is_some_and(|solves| solves > 100), "{answer}");
-    assert!(answer["position_error_max_mm"].as_f64().is_some_and(|error| error < 0.2), "{answer}");
+    for run in [&tracked, &answer] {
+        assert_eq!(run["reached"], run["solves"], "{run}");
+        assert_eq!(run["not_reached"].as_array().map(Vec::len), Some(0), "{run}");
+        assert!(run["position_error_max_mm"].as_f64().is_some_and(|error| error < 0.2), "{run}");
+    }
     let page = fs::read_to_string(folder.path().join("report.html")).expect("a report");
     assert!(
         page.contains("<svg") && !page.contains("http://") || page.contains("http://www.w3.org"),
         "a page with pictures"
     );
+}
+
+#[test]
+fn track_tells_when_and_why_targets_are_missed() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    fitted_model(folder.path());
+    // From rest to a bend that needs 20 kPa, in 20 ms: at 200 kPa/s that takes 100 ms. Later, far out of reach.
+    write_pressures(&folder.path().join("p.csv"), &[[10.0; 4], [32.0, 10.0, 6.0, 10.0]]);
+    run(folder.path(), "predict --model @m.model --pressures @p.csv --out @poses.csv").succeeded();
+    let poses = Table::read(&folder.path().join("poses.csv"));
+    let at = |row: usize| {
+        let number = |column: &str| poses.number(&poses.rows[row], column);
+        format!("{},{},{}", number("x_mm"), number("y_mm"), number("z_mm"))
+    };
+    let (rest, bend) = (at(0), at(1));
+    let path = format!(
+        "t_s,x_mm,y_mm,z_mm\n0,{rest}\n0.4,{rest}\n0.42,{bend}\n0.8,{bend}\n0.82,0,0,400\n1,0,0,400\n"
+    );
+    fs::write(folder.path().join("w.csv"), path).expect("written");
+    let line = "track --model @m.model --waypoints @w.csv --rate-hz 50 --out @run.mcap";
+    let outcome = run(folder.path(), line);
+    assert_eq!(outcome.code, 3, "{outcome:?}");
+    for words in ["not reached (s)", "0.420 to 0.", "0.820 to 1.000", "_rate_up", "pressure_rate_kpa_s"] {
+        assert!(outcome.stdout.contains(words), "{words} is not in\n{}", outcome.stdout);
+    }
+    let answer = run(folder.path(), &format!("{line} --json")).json();
+    let missed = answer["not_reached"].as_array().expect("stretches of missed targets");
+    assert_eq!(missed.len(), 2, "{answer}");
+    let held = |index: usize, part: &str| {
+        let bounds = missed[index]["held_by"].as_array().expect("bounds");
+        bounds.iter().any(|bound| bound.as_str().is_some_and(|bound| bound.contains(part)))
+    };
+    assert!(held(0, "_rate_up") && held(1, "_max"), "{answer}");
+    assert!(missed[0]["to_s"].as_f64().is_some_and(|end| end < 0.7), "{answer}");
 }
 
 /// Set by the script of all checks, which installs the readers: a Python that has them.
