@@ -32,6 +32,14 @@ pub struct SolveInput {
     pub tolerance: Tolerance,
 }
 
+/// How many times as far off as the nearest pose within a step the tip may be on the way to pressures that reach the target.
+/// Targets a tenth of a millimetre outside the reachable set would else lead through twists of hundreds of degrees, millimetres
+/// off, to another branch.
+const DETOUR: f64 = 4.0;
+
+/// Points of that way that are looked at.
+const DETOUR_SAMPLES: usize = 16;
+
 impl SolveInput {
     /// A target within bounds, with the defaults for everything else.
     pub fn new(target: Target, bounds: Bounds) -> Self {
@@ -126,6 +134,9 @@ impl<'m, M: PoseModel + ?Sized> Solver<'m, M> {
         match towards(&goal, from, &pressures, &problem.lower, &problem.upper) {
             None => Ok(local),
             Some(pressures) => {
+                if !self.is_worth(&local, &problem, from, &goal)? {
+                    return Ok(local);
+                }
                 let point = problem.evaluate(pressures)?;
                 let mut solution = conclude(input, &problem, point, *iterations, tried)?;
                 solution.reason = format!("on the way to pressures that reach it: {}", solution.reason);
@@ -144,6 +155,37 @@ impl<'m, M: PoseModel + ?Sized> Solver<'m, M> {
         let solution = self.try_solve(&anywhere, iterations)?;
         let reached = solution.status == Status::Reached;
         Ok(solution.answer.filter(|_| reached).map(|answer| answer.pressures))
+    }
+
+    /// Whether the way from the pressures of now to `goal` is worth what it mends: nowhere on it the pose is farther off than
+    /// [`DETOUR`] times as far as now.
+    fn is_worth(
+        &self,
+        local: &Solution,
+        problem: &Problem<M>,
+        from: &[f64],
+        goal: &[f64],
+    ) -> Result<bool, String> {
+        let Some(answer) = &local.answer else { return Ok(true) };
+        let at = |part: f64| -> Vec<f64> {
+            from.iter().zip(goal).map(|(from, goal)| from + part * (goal - from)).collect()
+        };
+        let bounds = self.model.domain();
+        let mut probe = Problem::new(
+            self.model,
+            problem.goal.clone(),
+            bounds.iter().map(|bound| bound.0).collect(),
+            bounds.iter().map(|bound| bound.1).collect(),
+        );
+        let now = probe.evaluate(answer.pressures.clone())?.error.norm();
+        for sample in 1..DETOUR_SAMPLES {
+            let mut pressures = at(sample as f64 / DETOUR_SAMPLES as f64);
+            probe.clamp(&mut pressures);
+            if probe.evaluate(pressures)?.error.norm() > DETOUR * now {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     /// Pressures to start from, in the order they are tried.

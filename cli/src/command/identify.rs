@@ -64,6 +64,11 @@ impl Identify {
                  errors would be told on fitted data",
             ));
         }
+        // Before the minutes that a base map takes.
+        if !held_out.is_empty() && matches!(rig.description, Description::Free(_)) {
+            return Err(holdout_of_a_free());
+        }
+        check_samples(&rig, &fit, &held_out)?;
         output::make_directory(&self.out)?;
         let base = match &self.model {
             Some(path) => Model::read(path)?,
@@ -94,6 +99,13 @@ impl Identify {
     }
 }
 
+fn holdout_of_a_free() -> Failure {
+    Failure::usage(
+        "--holdout is for modules: a single FREE has few points, and is judged by parts of its own recordings that each \
+         fit leaves out; give all of them by --recordings",
+    )
+}
+
 fn load(paths: &[PathBuf], rig: &Rig) -> Result<Vec<Recording>, Failure> {
     paths.iter().map(|path| recordings::read(path, rig).map(|loaded| loaded.recording)).collect()
 }
@@ -117,10 +129,7 @@ pub fn identified(
             identify_module(&mechanics, fit, held_out, &options, &watch)
         }
         (ModelContent::Free(_), Description::Free(_)) if !held_out.is_empty() => {
-            return Err(Failure::usage(
-                "--holdout is for modules: a single FREE has few points, and is judged by parts of its own recordings that each \
-                 fit leaves out; give all of them by --recordings",
-            ));
+            return Err(holdout_of_a_free());
         }
         (ModelContent::Free(model), Description::Free(free)) => {
             identify_free(&FreeMechanics::new(model, *free), fit, &options.tolerances, &watch)
