@@ -186,3 +186,30 @@ fn impossible_arguments() {
         refused(&outcome, fragments);
     }
 }
+
+/// Refusals that need no base map come before it: it takes minutes.
+#[test]
+fn identify_refuses_before_it_computes_a_base_map() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let rig = |name: &str| data(name).display().to_string();
+    let held = rig("rigs/rig-a/2-triangles.mcap");
+    let module = rig("rigs/rig-a/rig.toml");
+    let pressures = "t_s,p1_kpa,p2_kpa,p3_kpa,p4_kpa\n0,0,0,0,0\n0.05,1,0,0,0\n";
+    fs::write(folder.path().join("blind.csv"), pressures).expect("written");
+    fs::copy(data("rigs/rig-a/2-triangles.mcap"), folder.path().join("copy.mcap")).expect("copied");
+    fs::write(folder.path().join("free.csv"), "t_s,p1_kpa,twist_rad\n0,0,0\n1,5,0.1\n").expect("written");
+    let cases = [
+        (&module, at("blind.csv"), held.clone(), "no pose of the tip"),
+        (&module, at("copy.mcap"), held.clone(), "both fitted and held out"),
+        (&rig("actuators/buffinton-2020.toml"), at("free.csv"), at("free2.csv"), "--holdout is for modules"),
+    ];
+    fs::copy(folder.path().join("free.csv"), folder.path().join("free2.csv")).expect("copied");
+    for (rig, fit, held, words) in cases {
+        let out = at("results");
+        let outcome =
+            freeact(["identify", "--rig", rig, "--recordings", &fit, "--holdout", &held, "--out", &out]);
+        assert!(outcome.code > 0 && outcome.stderr.contains(words), "{words}: {outcome:?}");
+        assert!(!folder.path().join("results").exists(), "{words}: a base map was begun");
+    }
+}

@@ -68,7 +68,7 @@ impl Identify {
         if !held_out.is_empty() && matches!(rig.description, Description::Free(_)) {
             return Err(holdout_of_a_free());
         }
-        check_samples(&rig, &fit, &held_out)?;
+        check_recordings(&rig, &fit, &held_out)?;
         output::make_directory(&self.out)?;
         let base = match &self.model {
             Some(path) => Model::read(path)?,
@@ -96,6 +96,25 @@ impl Identify {
                 both.display()
             ))),
         }
+    }
+}
+
+/// What would be refused after the base map, of what can be told before it.
+fn check_recordings(rig: &Rig, fit: &[Recording], held_out: &[Recording]) -> Result<(), Failure> {
+    if let Some(both) = held_out.iter().find(|held| fit.iter().any(|fit| fit.name == held.name)) {
+        let recording = both.name.clone();
+        return Err(Failure::usage(IdentifyError::Overlap { recording }.to_string()));
+    }
+    let has_no_pose = |recording: &&Recording| (0..recording.len()).all(|i| recording.pose(i).is_none());
+    let of_module = matches!(rig.description, Description::Module(_));
+    match fit.iter().chain(held_out).find(has_no_pose).filter(|_| of_module) {
+        None => Ok(()),
+        Some(blind) => Err(Failure::file(format!(
+            "recording \"{}\" holds no pose of the tip, so that there is nothing to compare a model with; name the columns or \
+             the topic of the pose in [recordings] of {}, or leave the recording out",
+            blind.name,
+            rig.path.display()
+        ))),
     }
 }
 
