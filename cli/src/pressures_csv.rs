@@ -75,10 +75,11 @@ impl Columns {
             let number = |place: &usize| {
                 let cell = record.get(*place).unwrap_or_default();
                 cell.parse::<f64>().ok().filter(|value| value.is_finite()).ok_or_else(|| {
-                    Failure::file(format!(
-                        "{file}:{line}: column `{}`: `{cell}` is not a number",
-                        head[*place]
-                    ))
+                    let problem = match cell {
+                        "" => "is empty; write a number".to_owned(),
+                        _ => format!("`{cell}` is not a number"),
+                    };
+                    Failure::file(format!("{file}:{line}: column `{}`: {problem}", head[*place]))
                 })
             };
             rows.push(places.iter().map(number).collect::<Result<Vec<_>, _>>()?);
@@ -126,6 +127,7 @@ mod tests {
             ("p1_kpa,p2_kpa,p3_kpa\n1,2,3\n", "in.csv:1: column `p3_kpa`: the model has 2 FREEs"),
             ("p1_kpa,p2_kpa\n1,2\n3,x\n", "in.csv:3: column `p2_kpa`: `x` is not a number"),
             ("p1_kpa,p2_kpa\n1,nan\n", "in.csv:2: column `p2_kpa`"),
+            ("p1_kpa,p2_kpa\n1,\n", "in.csv:2: column `p2_kpa`: is empty; write a number"),
             ("p1_kpa,p2_kpa\n1\n", "in.csv:2:"),
             ("p1_kpa,p1_kpa,p2_kpa\n1,1,2\n", "stands twice"),
         ] {

@@ -138,6 +138,11 @@ fn a_tracked_path_is_replayed_bit_for_bit() {
     let answer = run(folder.path(), "replay @run.mcap --html @report.html --json").succeeded().json();
     assert_eq!(answer["identical"], true, "{answer}");
     assert!(answer["solves"].as_u64().is_some_and(|solves| solves > 100), "{answer}");
+    let map = data("maps/buffinton-2020.map");
+    freeact([OsString::from("fit"), map.into(), "--out".into(), folder.path().join("f.model").into()])
+        .succeeded();
+    let other = run(folder.path(), "replay @run.mcap --model @f.model");
+    assert!(other.code > 0 && other.stderr.contains("f.model: is the model of a single FREE"), "{other:?}");
     for run in [&tracked, &answer] {
         assert_eq!(run["reached"], run["solves"], "{run}");
         assert_eq!(run["not_reached"].as_array().map(Vec::len), Some(0), "{run}");

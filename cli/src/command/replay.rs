@@ -60,6 +60,8 @@ impl Replay {
                 )));
             }
         };
+        // Of a model that cannot be steered, its own file is to blame.
+        goal::module_of(&model, self.model.as_deref().unwrap_or(&self.log))?;
         let replayed = recompute(&log, &model, &self.log)?;
         if let Some(html) = &self.html {
             page(&log, &replayed)?.save(html)?;
