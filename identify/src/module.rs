@@ -264,7 +264,25 @@ impl Found {
         })
     }
 
-    fn verdict(&self, study: &Study, findings: Vec<String>) -> Result<Verdict, IdentifyError> {
+    /// Numbers of the base model that the data drove to the end of their tolerance: their intervals mean nothing.
+    fn at_bounds(&self) -> impl Iterator<Item = String> {
+        let setup = &self.setup;
+        setup.numbers.iter().enumerate().filter_map(|(number, own)| {
+            let value = setup.value(number);
+            let is_bound = value <= own.lower || value >= own.upper;
+            let at_bound = own.is_calibration && is_bound && value != own.parameter.neutral;
+            let estimated = Estimated { value: own.parameter.in_unit(value), ci95: [f64::NAN; 2] };
+            let kind = setup.chain.effects[own.effect].kind;
+            let (name, shown) = calibration_entry(kind, own.values[0], estimated).filter(|_| at_bound)?;
+            Some(format!(
+                "{name} ended at the bound of its tolerance, {:.3}: the data would take it further, and its interval means nothing",
+                shown.value
+            ))
+        })
+    }
+
+    fn verdict(&self, study: &Study, mut findings: Vec<String>) -> Result<Verdict, IdentifyError> {
+        findings.extend(self.at_bounds());
         let frees = study.mechanics.frees();
         let left = Left::of(study, &self.setup)?;
         let mut calibration = BTreeMap::new();
