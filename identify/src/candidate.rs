@@ -17,7 +17,7 @@ pub struct Candidate {
 /// They are bounds and widths of what is believed beforehand, not estimates. They were set by a module of another maker's model with nothing
 /// missing (the rig `practice-null`): rods of finite elements tied by spacers agree with it within 5 % of stiffness, which is read from the
 /// twist, and within 10 % in how far an imbalance of the FREEs bends the module, with half their own provisional bending stiffness. What lies
-/// within these, a little widened, cannot be told from the model's own error. Tip: how well a marker is set. Supply: a regulator with a short
+/// within these, the bending a little widened, cannot be told from the model's own error. Tip: how well a marker is set. Supply: a regulator with a short
 /// hose follows within a tenth of a second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerances {
@@ -36,7 +36,7 @@ pub struct Tolerances {
 impl Default for Tolerances {
     fn default() -> Self {
         Tolerances {
-            stiffness: 0.06,
+            stiffness: 0.05,
             bending_stiffness: 0.5,
             bending_scale: 0.15,
             tip_offset: 2e-4,
