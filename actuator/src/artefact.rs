@@ -71,13 +71,6 @@ pub enum ArtefactError {
 
 const HEADER: usize = 8 + 4 + 32;
 
-/// Whether a file begins with the magic bytes of `kind`.
-pub fn is_kind(path: &Path, kind: Kind) -> bool {
-    use io::Read;
-    let mut magic = [0u8; 8];
-    fs::File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok() && magic == kind.magic
-}
-
 /// Serialises `content` into the bytes of a file of `kind`.
 pub fn to_bytes<T: Serialize>(kind: Kind, content: &T) -> Result<Vec<u8>, String> {
     let body = postcard::to_stdvec(content).map_err(|error| error.to_string())?;

@@ -1,4 +1,4 @@
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
@@ -33,9 +33,12 @@ impl TipPose {
         [q.w, q.i, q.j, q.k]
     }
 
-    /// The rigid motion that takes the plate's frame to the base frame.
-    pub fn isometry(&self) -> Isometry3<f64> {
-        Isometry3::from_parts(Translation3::from(self.position), self.rotation)
+    /// This motion after `inner`: where a frame placed by `inner` in this frame stands in the frame this one stands in.
+    pub fn compose(&self, inner: &TipPose) -> TipPose {
+        TipPose {
+            position: self.position + self.rotation * inner.position,
+            rotation: self.rotation * inner.rotation,
+        }
     }
 
     /// Angle (rad, 0 to pi) of the rotation between two poses.

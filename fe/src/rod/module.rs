@@ -134,11 +134,6 @@ impl RodModule {
         Ok(RodModule { module: module.clone(), laws, settings, reference })
     }
 
-    /// The module that is modelled.
-    pub fn module(&self) -> &Module {
-        &self.module
-    }
-
     /// The section law of each FREE.
     pub fn laws(&self) -> Vec<Arc<dyn SectionLaw>> {
         self.laws.clone()

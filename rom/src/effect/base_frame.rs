@@ -40,11 +40,7 @@ pub(super) fn transformation(values: &[f64]) -> TipPose {
 
 /// T_b pose.
 pub(super) fn pose(values: &[f64], pose: &TipPose) -> TipPose {
-    let base = transformation(values);
-    TipPose {
-        position: base.position + base.rotation * pose.position,
-        rotation: base.rotation * pose.rotation,
-    }
+    transformation(values).compose(pose)
 }
 
 #[cfg(test)]

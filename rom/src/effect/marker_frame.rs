@@ -8,11 +8,7 @@ pub(super) const PARAMETERS: &[Parameter] = base_frame::PARAMETERS;
 
 /// pose T_m.
 pub(super) fn pose(values: &[f64], pose: &TipPose) -> TipPose {
-    let marker = base_frame::transformation(values);
-    TipPose {
-        position: pose.position + pose.rotation * marker.position,
-        rotation: pose.rotation * marker.rotation,
-    }
+    pose.compose(&base_frame::transformation(values))
 }
 
 #[cfg(test)]
