@@ -9,6 +9,7 @@ mod rod;
 mod run;
 mod section;
 mod section_law;
+mod solid;
 
 pub use closed_form::{ClosedFormError, ThickTube};
 pub use free_map::{FailedPath, FreeSweep, FreeSweepError, FreeSweepReport};
@@ -20,3 +21,4 @@ pub use rod::{
 pub use run::{Run, Shard};
 pub use section::{SectionError, SectionLoad, SectionMesh, SectionSolver, Whereabouts};
 pub use section_law::{SectionLaw, SectionResponse};
+pub use solid::{Coat, SolidError, SolidMesh, Specimen};
