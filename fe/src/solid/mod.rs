@@ -3,6 +3,7 @@
 #![expect(dead_code, reason = "the solver that uses the mesh is being written")]
 
 mod error;
+mod fibre;
 mod mesh;
 mod specimen;
 
