@@ -1,5 +1,6 @@
 //! Fibres on the tube's outer surface: helices that the surface carries along.
 
+mod crossing;
 mod surface;
 #[cfg(test)]
 mod tests;
@@ -8,6 +9,7 @@ mod truss;
 
 use super::{SolidError, Specimen, mesh::Grid};
 use actuator::Winding;
+pub(crate) use crossing::Crossing;
 use nalgebra::UnitQuaternion;
 use std::{collections::BTreeMap, f64::consts::TAU};
 use trace::{Around, Strand, trace};
@@ -41,8 +43,10 @@ pub(crate) struct FibreState {
 /// A dense contribution of fibres to the energy.
 #[derive(Clone, Debug)]
 pub(crate) enum FibreElement {
-    /// Stretches.
+    /// Stretches along lines of the mesh.
     Truss(Truss),
+    /// Stretches across the mesh.
+    Crossing(Crossing),
 }
 
 impl FibreElement {
@@ -50,6 +54,7 @@ impl FibreElement {
     pub fn blocks(&self) -> &[Block] {
         match self {
             FibreElement::Truss(truss) => truss.blocks(),
+            FibreElement::Crossing(crossing) => crossing.blocks(),
         }
     }
 
@@ -58,6 +63,7 @@ impl FibreElement {
     pub fn energy(&self, positions: &[[f64; 3]], _rotations: &[UnitQuaternion<f64>]) -> Option<f64> {
         match self {
             FibreElement::Truss(truss) => truss.energy(positions),
+            FibreElement::Crossing(crossing) => crossing.energy(positions),
         }
     }
 
@@ -73,6 +79,7 @@ impl FibreElement {
     ) -> Option<f64> {
         match self {
             FibreElement::Truss(truss) => truss.evaluate(positions, gradient, tangent),
+            FibreElement::Crossing(crossing) => crossing.evaluate(positions, gradient, tangent),
         }
     }
 
@@ -80,6 +87,7 @@ impl FibreElement {
     pub fn states(&self, positions: &[[f64; 3]], _rotations: &[UnitQuaternion<f64>]) -> Vec<FibreState> {
         match self {
             FibreElement::Truss(truss) => truss.states(positions).collect(),
+            FibreElement::Crossing(crossing) => crossing.states(positions).collect(),
         }
     }
 }
@@ -170,6 +178,7 @@ impl Fibres {
         let mut elements = vec![];
         let mut first_fibre = 0;
         for winding in &specimen.windings {
+            let crosses = middle_line(grid, winding, outer, 0).slope != 0.0;
             let mut cells: BTreeMap<[usize; 2], Vec<TrussPiece>> = BTreeMap::new();
             for index in 0..fibres_in_sector(grid, winding)? {
                 for strand in strands(grid, winding, outer, index) {
@@ -186,7 +195,11 @@ impl Fibres {
             first_fibre += winding.fibres as usize;
             elements.extend(cells.iter().map(|([k, j], pieces)| {
                 let face = grid.face_points(layer, [*j, *k]);
-                FibreElement::Truss(Truss::new(pieces, &winding.fibre, &face, &grid.points))
+                if crosses {
+                    FibreElement::Crossing(Crossing::new(pieces, &winding.fibre, &face, &grid.points))
+                } else {
+                    FibreElement::Truss(Truss::new(pieces, &winding.fibre, &face, &grid.points))
+                }
             }));
         }
         Ok(Fibres { elements })

@@ -12,16 +12,22 @@ fn lagrange(at: f64) -> ([f64; 3], [f64; 3]) {
     ([0.5 * at * (at - 1.0), 1.0 - at * at, 0.5 * at * (at + 1.0)], [at - 0.5, -2.0 * at, at + 0.5])
 }
 
+fn face_values([around, along]: [f64; 2]) -> [f64; 9] {
+    let (na, nz) = (lagrange(around).0, lagrange(along).0);
+    std::array::from_fn(|a| na[a % 3] * nz[a / 3])
+}
+
+/// Derivatives of the nine functions in a direction (around, along) of the face's coordinates.
+pub(super) fn face_slopes([around, along]: [f64; 2], [da, dz]: [f64; 2]) -> [f64; 9] {
+    let ((na, sa), (nz, sz)) = (lagrange(around), lagrange(along));
+    std::array::from_fn(|a| sa[a % 3] * da * nz[a / 3] + na[a % 3] * sz[a / 3] * dz)
+}
+
 impl SurfacePoint {
     /// At `share` (0 to 1) of a piece. A point of the face that has no part in it gets exact zeros.
     pub fn new(piece: &Piece, share: f64) -> Self {
-        let [around, along] = piece.at(share);
-        let [da, dz] = piece.direction();
-        let ((na, sa), (nz, sz)) = (lagrange(around), lagrange(along));
-        SurfacePoint {
-            values: std::array::from_fn(|a| na[a % 3] * nz[a / 3]),
-            slopes: std::array::from_fn(|a| sa[a % 3] * da * nz[a / 3] + na[a % 3] * sz[a / 3] * dz),
-        }
+        let at = piece.at(share);
+        SurfacePoint { values: face_values(at), slopes: face_slopes(at, piece.direction()) }
     }
 
     /// Position, m, or derivative by the piece's share, for one of the two sets of factors.

@@ -53,8 +53,12 @@ pub(super) struct TrussPiece {
     pub arc_length: f64,
 }
 
+pub(super) fn dot(x: [f64; 3], y: [f64; 3]) -> f64 {
+    x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
+}
+
 pub(super) fn norm(x: [f64; 3]) -> f64 {
-    (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]).sqrt()
+    dot(x, x).sqrt()
 }
 
 /// Reference length of a piece, m, by the truss's rule.

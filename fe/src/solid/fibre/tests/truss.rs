@@ -65,7 +65,7 @@ fn homogeneous_deformation_gives_the_exact_stretch() {
     let families = [winding(90.0, Handedness::Right, 6, 0.2e-3), winding(50.0, Handedness::Left, 5, 0.2e-3)];
     let specimen = specimen(&families);
     let errors = [1, 2, 4].map(|factor| {
-        let (grid, fibres) = trusses(&specimen, mesh(24, 12, true).refined(factor));
+        let (grid, fibres) = trusses(&specimen, mesh(24, 24, true).refined(factor));
         let positions: Vec<[f64; 3]> =
             grid.points.iter().map(|x| (deformation * Vector3::from(*x)).into()).collect();
         let reference = all_states(&fibres, &grid.points);
@@ -83,7 +83,8 @@ fn homogeneous_deformation_gives_the_exact_stretch() {
         }
         largest
     });
-    // Straight fibres are interpolated exactly; helices across the faces have tangents of second order.
+    // Straight fibres are interpolated exactly. Across the faces the stretch is that of sampled metrics: second order where
+    // it varies, as it does around the tube.
     assert!(errors.iter().all(|error| error[0] < 1e-12), "{errors:?}");
     assert!(orders(&errors.map(|error| error[1])).iter().all(|order| *order > 1.8), "{errors:?}");
     assert!(errors[2][1] < 1e-3, "{errors:?}");
@@ -112,11 +113,12 @@ fn section_errors(windings: &[Winding], mesh: SolidMesh) -> Vec<[f64; 2]> {
 fn stretched_twisted_and_widened_helices_follow_the_section() {
     let families = [winding(35.0, Handedness::Right, 6, 0.0), winding(50.0, Handedness::Left, 6, 0.0)];
     let errors = section_errors(&families, mesh(24, 24, true));
-    // On the mesh's lines the two points are where a quadratic's slope is best: fourth order; across faces second.
+    // The places where a quadratic's slope is best make both ways of fourth order: a fibre next to inextensible bears no less.
     let [on_lines, across] = [0, 1].map(|family| errors.iter().map(|e| e[family]).collect::<Vec<_>>());
-    assert!(orders(&on_lines).iter().all(|order| (order - 4.0).abs() < 0.3), "{on_lines:?}");
-    assert!(orders(&across).iter().all(|order| *order > 1.7), "{across:?}");
-    assert!(on_lines[0] < 1e-3 && across[2] < 1e-3, "{errors:?}");
+    for errors in [on_lines, across] {
+        assert!(orders(&errors).iter().all(|order| (order - 4.0).abs() < 0.3), "{errors:?}");
+        assert!(errors[0] < 3e-4, "{errors:?}");
+    }
 }
 
 #[test]
@@ -124,9 +126,11 @@ fn a_slack_thread_carries_nothing_and_a_truss_pushes() {
     let linear = winding(60.0, Handedness::Right, 6, 0.3e-3);
     let mut thread = linear;
     thread.fibre.law = FibreLaw::TensionOnly;
-    for (stretch, pulled) in [(0.95, false), (1.05, true)] {
+    for (stretch, pulled, follows) in
+        [(0.95, false, true), (1.05, true, true), (0.95, false, false), (1.05, true, false)]
+    {
         let energies = [linear, thread].map(|winding| {
-            let (grid, fibres) = trusses(&specimen(&[winding]), mesh(12, 12, true));
+            let (grid, fibres) = trusses(&specimen(&[winding]), mesh(12, 12, follows));
             let positions = moved(&grid, stretch, 0.0, stretch);
             let length: f64 = all_states(&fibres, &grid.points).iter().map(|state| state.weight).sum();
             let mut total = 0.0;
