@@ -10,10 +10,7 @@ mod run;
 mod section;
 mod section_law;
 mod solid;
-#[cfg_attr(
-    not(test),
-    expect(dead_code, unused_imports, reason = "the solid finite elements, its user, are not there yet")
-)]
+#[allow(dead_code, unused_imports)]
 mod sparse;
 
 pub use closed_form::{ClosedFormError, ThickTube};
@@ -26,4 +23,6 @@ pub use rod::{
 pub use run::{Run, Shard};
 pub use section::{SectionError, SectionLoad, SectionMesh, SectionSolver, Whereabouts};
 pub use section_law::{SectionLaw, SectionResponse};
-pub use solid::{Coat, SolidError, SolidMesh, Specimen};
+pub use solid::{
+    Coat, Deformation, SolidCost, SolidError, SolidLoad, SolidMesh, SolidSolver, SolidState, Specimen,
+};

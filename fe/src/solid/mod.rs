@@ -1,12 +1,25 @@
 //! One FREE as a three-dimensional body: 27-node hexahedra with a discontinuous linear pressure, fibres on the outer surface,
 //! rigid caps, and the pressure in the enclosed volume.
-#![expect(dead_code, reason = "the solver that uses the mesh is being written")]
+#![allow(dead_code, clippy::large_enum_variant)]
 
+mod body;
+mod deformation;
+mod element;
+#[cfg(test)]
+mod element_tests;
+mod enclosed_volume;
 mod error;
 mod fibre;
 mod mesh;
+mod newton;
+mod path;
+mod shape;
 mod specimen;
+mod state;
 
+pub use deformation::Deformation;
 pub use error::SolidError;
 pub use mesh::SolidMesh;
+pub use newton::{SolidCost, SolidSolver};
 pub use specimen::{Coat, Specimen};
+pub use state::{SolidLoad, SolidState};

@@ -88,7 +88,7 @@ impl Specimen {
         }
         for offset in self.bore_offset {
             let shift = offset[0].hypot(offset[1]);
-            if !(shift < 0.95 * wall * self.wall_taper.min(1.0)) {
+            if shift.is_nan() || shift >= 0.95 * wall * self.wall_taper.min(1.0) {
                 return refuse(
                     "the bore's offset (m)",
                     shift,

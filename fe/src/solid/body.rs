@@ -1,0 +1,643 @@
+use super::{
+    SolidError, SolidMesh, Specimen,
+    element::{Condensation, ElementLaw, Inverted, UNKNOWNS, Workspace},
+    enclosed_volume::{FACE, FaceTable, FaceVolume},
+    fibre::{Block, Fibres, MAX_UNKNOWNS},
+    mesh::Grid,
+    shape::{NODES, Shape},
+    state::{SolidLoad, SolidState},
+};
+use crate::{
+    material::Rubber,
+    sparse::{BlockPattern, Place},
+};
+use nalgebra::{Matrix3, Matrix3x6, Matrix6, Rotation3, UnitQuaternion, Vector3, Vector6};
+use std::{collections::HashMap, f64::consts::TAU};
+
+/// What a point follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Follows {
+    /// The clamped base.
+    Base,
+    /// The rigid cap.
+    Cap,
+    /// Its own three unknowns.
+    Own(u32),
+    /// The unknowns of its master, turned by one sector.
+    Turned(u32),
+}
+
+/// A pair of an element's nodes whose block of the tangent goes straight to the matrix.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    nodes: [u8; 2],
+    /// Which of the two are images.
+    turned: [bool; 2],
+    place: Place,
+}
+
+#[derive(Clone, Debug)]
+struct Element {
+    points: [u32; NODES],
+    shape: u32,
+    law: u8,
+    /// Whether its first face lies on the bore.
+    inner: bool,
+    pairs: Vec<Pair>,
+    /// Nodes on the cap.
+    on_cap: Vec<u8>,
+}
+
+/// Sums over the body of a configuration.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Forces {
+    /// Internal less external forces on the unknowns, N (N m for turns): zero in equilibrium.
+    pub residual: Vec<f64>,
+    /// The same with the elements' pressures eliminated: the right-hand side of a Newton step.
+    pub condensed: Vec<f64>,
+    /// d volume/d unknowns.
+    pub volume_gradient: Vec<f64>,
+    /// Size of the forces that cancel, N.
+    pub scale: f64,
+    /// Largest |integral (J - 1 - q/kappa) dV| of an element over its volume.
+    pub mismatch: f64,
+    pub energy: f64,
+    pub volume: f64,
+}
+
+/// A specimen, meshed: what does not change while it deforms, and the space for assembling.
+pub(super) struct Body {
+    pub specimen: Specimen,
+    pub grid: Grid,
+    pub pattern: BlockPattern,
+    /// First scalar unknown of the cap's six.
+    pub cap_unknown: usize,
+    follows: Vec<Follows>,
+    elements: Vec<Element>,
+    pub fibres: Fibres,
+    shapes: Vec<Shape>,
+    laws: Vec<ElementLaw>,
+    face_table: FaceTable,
+    /// Turn by one sector.
+    sector: Matrix3<f64>,
+    /// Mass of rubber that moves with each point, kg.
+    masses: Vec<f64>,
+    /// Area of the bore at the cap, of the part that is meshed, m^2.
+    cap_area: f64,
+    cap_block: u32,
+    /// Blocks coupled with the cap's, its own included.
+    beside_cap: Vec<u32>,
+    workspace: Workspace,
+    condensations: Vec<Condensation>,
+    pub values: Vec<f64>,
+    point_forces: Vec<[f64; 3]>,
+    point_condensed: Vec<[f64; 3]>,
+    point_volume: Vec<[f64; 3]>,
+}
+
+/// The element's nodes in its own frame: turned back about the tube's axis and shifted to its first node's height.
+fn own_frame(nodes: &[[f64; 3]; NODES]) -> [[f64; 3]; NODES] {
+    let (sine, cosine) = nodes[0][1].atan2(nodes[0][0]).sin_cos();
+    nodes.map(|[x, y, z]| [cosine * x + sine * y, cosine * y - sine * x, z - nodes[0][2]])
+}
+
+impl Body {
+    /// The whole specimen, or one of `sectors` equal sectors of it.
+    pub fn new(specimen: &Specimen, mesh: SolidMesh, sectors: usize) -> Result<Self, SolidError> {
+        specimen.check()?;
+        let grid = Grid::new(specimen, mesh, sectors)?;
+        let elastomers = [Some(specimen.elastomer), specimen.coat.map(|coat| coat.elastomer)];
+        let laws: Vec<ElementLaw> = elastomers
+            .into_iter()
+            .flatten()
+            .map(|elastomer| ElementLaw {
+                material: Rubber::from(elastomer),
+                bulk: specimen.bulk_ratio * elastomer.initial_shear_modulus(),
+            })
+            .collect();
+        let last_plane = grid.lines[2] - 1;
+        let mut own = 0;
+        let mut follows = vec![Follows::Base; grid.points.len()];
+        for point in 0..follows.len() {
+            follows[point] = match (grid.plane(point), grid.master(point)) {
+                (0, _) => Follows::Base,
+                (plane, _) if plane == last_plane => Follows::Cap,
+                (_, Some(master)) => match follows[master] {
+                    Follows::Own(block) => Follows::Turned(block),
+                    other => other,
+                },
+                _ => {
+                    own += 1;
+                    Follows::Own(own - 1)
+                }
+            };
+        }
+        let cap_block = own;
+        let mut sizes = vec![3u8; own as usize];
+        sizes.push(6);
+
+        let mut shapes = Vec::new();
+        let mut known: HashMap<Vec<i64>, u32> = HashMap::new();
+        let mut masses = vec![0.0; grid.points.len()];
+        let mut elements = Vec::new();
+        let resolution = 1e-9 * specimen.tube.outer_radius();
+        for (index, place) in grid.element_places().enumerate() {
+            let points = grid.element_points(place);
+            let nodes = own_frame(&points.map(|point| grid.points[point as usize]));
+            let key = nodes.as_flattened().iter().map(|x| (x / resolution).round() as i64).collect();
+            let shape = match known.get(&key) {
+                Some(&shape) => shape,
+                None => {
+                    shapes.push(Shape::new(&nodes, index)?);
+                    known.insert(key, shapes.len() as u32 - 1);
+                    shapes.len() as u32 - 1
+                }
+            };
+            for (mass, point) in shapes[shape as usize].shares.iter().zip(points) {
+                masses[point as usize] += specimen.density * mass;
+            }
+            elements.push(Element {
+                points,
+                shape,
+                law: u8::from(grid.is_coat(place[0])),
+                inner: place[0] == 0,
+                pairs: vec![],
+                on_cap: vec![],
+            });
+        }
+        let mut cliques: Vec<Vec<u32>> = Vec::new();
+        for element in &elements {
+            let mut clique: Vec<u32> = element
+                .points
+                .iter()
+                .filter_map(|&point| match follows[point as usize] {
+                    Follows::Base => None,
+                    Follows::Cap => Some(cap_block),
+                    Follows::Own(block) | Follows::Turned(block) => Some(block),
+                })
+                .collect();
+            clique.sort_unstable();
+            clique.dedup();
+            cliques.push(clique);
+        }
+        let mut beside_cap: Vec<u32> =
+            cliques.iter().filter(|clique| clique.contains(&cap_block)).flatten().copied().collect();
+        beside_cap.sort_unstable();
+        beside_cap.dedup();
+        let pattern = BlockPattern::new(&sizes, cliques.iter().map(|clique| &clique[..]));
+        for element in &mut elements {
+            let unknowns = element.points.map(|point| match follows[point as usize] {
+                Follows::Own(block) => Some((block, false)),
+                Follows::Turned(block) => Some((block, true)),
+                Follows::Base | Follows::Cap => None,
+            });
+            for a in 0..NODES {
+                if follows[element.points[a] as usize] == Follows::Cap {
+                    element.on_cap.push(a as u8);
+                }
+                for b in 0..=a {
+                    if let (Some((row, row_turned)), Some((column, column_turned))) =
+                        (unknowns[a], unknowns[b])
+                    {
+                        element.pairs.push(Pair {
+                            nodes: [a as u8, b as u8],
+                            turned: [row_turned, column_turned],
+                            place: pattern.place(row, column),
+                        });
+                    }
+                }
+            }
+        }
+        let fibres = Fibres::trusses(specimen, &grid)?;
+        let angle = TAU / sectors as f64;
+        let sector = *Rotation3::from_axis_angle(&Vector3::z_axis(), angle).matrix();
+        let mut body = Body {
+            cap_unknown: pattern.first(cap_block),
+            values: vec![0.0; pattern.len()],
+            condensations: vec![Condensation::default(); elements.len()],
+            point_forces: vec![[0.0; 3]; grid.points.len()],
+            point_condensed: vec![[0.0; 3]; grid.points.len()],
+            point_volume: vec![[0.0; 3]; grid.points.len()],
+            specimen: specimen.clone(),
+            follows,
+            elements,
+            fibres,
+            shapes,
+            laws,
+            face_table: FaceTable::new(),
+            sector,
+            masses,
+            cap_area: 0.0,
+            cap_block,
+            beside_cap,
+            workspace: Workspace::default(),
+            pattern,
+            grid,
+        };
+        body.cap_area = body.bore_area_at_cap();
+        Ok(body)
+    }
+
+    /// Area inside the bore's edge on the cap, as the faces' interpolation has it: `1/2 integral (x cross dx)`.
+    fn bore_area_at_cap(&self) -> f64 {
+        use super::shape::{GAUSS, quadratic};
+        let top = self.grid.lines[2] - 1;
+        let mut area = 0.0;
+        for j in 0..self.grid.elements[1] {
+            let nodes = [0, 1, 2].map(|n| self.grid.points[self.grid.point(0, 2 * j + n, top) as usize]);
+            for (at, weight) in GAUSS {
+                let (values, slopes) = quadratic(at);
+                let sum = |w: &[f64; 3], i: usize| (0..3).map(|n| w[n] * nodes[n][i]).sum::<f64>();
+                area +=
+                    0.5 * weight * (sum(&values, 0) * sum(&slopes, 1) - sum(&values, 1) * sum(&slopes, 0));
+            }
+        }
+        area
+    }
+
+    /// The undeformed body.
+    pub fn rest(&self) -> SolidState {
+        SolidState {
+            positions: self.grid.points.clone(),
+            pressures: vec![[0.0; 4]; self.elements.len()],
+            rotations: vec![],
+            cap: Vector3::new(0.0, 0.0, self.specimen.tube.length),
+            cap_rotation: UnitQuaternion::identity(),
+            load: SolidLoad::default(),
+            energy: 0.0,
+            volume: 0.0,
+            residual: 0.0,
+        }
+    }
+
+    /// Puts the points of base and cap and the images of a sector where they belong.
+    pub fn settle(&self, state: &mut SolidState) {
+        let top = Vector3::new(0.0, 0.0, self.specimen.tube.length);
+        for point in 0..self.follows.len() {
+            match self.follows[point] {
+                Follows::Base => state.positions[point] = self.grid.points[point],
+                Follows::Cap => {
+                    let arm = Vector3::from(self.grid.points[point]) - top;
+                    state.positions[point] = (state.cap + state.cap_rotation * arm).into();
+                }
+                Follows::Turned(_) => {
+                    let master = self.grid.master(point).unwrap_or(point);
+                    state.positions[point] = (self.sector * Vector3::from(state.positions[master])).into();
+                }
+                Follows::Own(_) => {}
+            }
+        }
+    }
+
+    /// Displacements of all points for a step of the unknowns, and the cap's.
+    pub fn displacements(&self, state: &SolidState, step: &[f64]) -> (Vec<[f64; 3]>, [Vector3<f64>; 2]) {
+        let at = |first: usize| Vector3::new(step[first], step[first + 1], step[first + 2]);
+        let cap = [at(self.cap_unknown), at(self.cap_unknown + 3)];
+        let points = self
+            .follows
+            .iter()
+            .zip(&state.positions)
+            .map(|(follows, place)| match *follows {
+                Follows::Base => [0.0; 3],
+                Follows::Cap => (cap[0] + cap[1].cross(&(Vector3::from(*place) - state.cap))).into(),
+                Follows::Own(block) => at(self.pattern.first(block)).into(),
+                Follows::Turned(block) => (self.sector * at(self.pattern.first(block))).into(),
+            })
+            .collect();
+        (points, cap)
+    }
+
+    /// Changes of the elements' pressures that go with displacements of the points.
+    ///
+    /// With their present mismatch of volume, or for an infinitesimal change of an equilibrium without.
+    pub fn pressure_steps(&self, displacements: &[[f64; 3]], with_mismatch: bool) -> Vec<[f64; 4]> {
+        self.elements
+            .iter()
+            .zip(&self.condensations)
+            .map(|(element, condensation)| {
+                let step =
+                    std::array::from_fn(|q| displacements[element.points[q % NODES] as usize][q / NODES]);
+                let law = &self.laws[element.law as usize];
+                condensation.pressure_step(law, &self.shapes[element.shape as usize], &step, with_mismatch)
+            })
+            .collect()
+    }
+
+    /// Residual and, if asked for, the tangent (into `values`) of a configuration under a load.
+    pub fn assemble(
+        &mut self,
+        state: &SolidState,
+        load: &SolidLoad,
+        with_tangent: bool,
+        forces: &mut Forces,
+    ) -> Result<(), Inverted> {
+        for sums in [&mut self.point_forces, &mut self.point_condensed, &mut self.point_volume] {
+            sums.fill([0.0; 3]);
+        }
+        if with_tangent {
+            self.values.fill(0.0);
+        }
+        let (mut energy, mut volume, mut squares, mut mismatch) = (0.0, 0.0, 0.0, 0.0f64);
+        let mut scatter = Scatter {
+            values: &mut self.values,
+            pattern: &self.pattern,
+            follows: &self.follows,
+            sector: self.sector,
+            cap_block: self.cap_block,
+            positions: &state.positions,
+            cap: state.cap,
+            cap_tangent: Matrix6::zeros(),
+        };
+        for (index, element) in self.elements.iter().enumerate() {
+            let (law, shape) = (&self.laws[element.law as usize], &self.shapes[element.shape as usize]);
+            let work = &mut self.workspace;
+            let condensation = &mut self.condensations[index];
+            let positions: [f64; UNKNOWNS] =
+                std::array::from_fn(|q| state.positions[element.points[q % NODES] as usize][q / NODES]);
+            energy +=
+                work.evaluate(law, shape, &positions, &state.pressures[index], condensation, with_tangent)?;
+            mismatch = mismatch.max(condensation.mismatch[0].abs() / shape.volume());
+            let mut condensed = work.residual;
+            condensation.condense(law, shape, &mut condensed);
+            squares += work.residual.iter().map(|value| value * value).sum::<f64>();
+            for (a, &point) in element.points.iter().enumerate() {
+                for i in 0..3 {
+                    self.point_forces[point as usize][i] += work.residual[i * NODES + a];
+                    self.point_condensed[point as usize][i] += condensed[i * NODES + a];
+                }
+            }
+            if element.inner {
+                const ON_BORE: [usize; FACE] = [0, 3, 6, 9, 12, 15, 18, 21, 24];
+                let nodes = ON_BORE.map(|a| state.positions[element.points[a] as usize]);
+                let pressed = with_tangent && load.pressure != 0.0;
+                let face = FaceVolume::new(&self.face_table, &nodes, pressed);
+                volume += face.volume;
+                for (a, gradient) in ON_BORE.into_iter().zip(face.gradient) {
+                    let sum = &mut self.point_volume[element.points[a] as usize];
+                    sum.iter_mut().zip(gradient).for_each(|(sum, value)| *sum += value);
+                }
+                if pressed {
+                    // Blocks (x, y), (x, z) and (y, z) of the tangent: e_ikm with m = z, y and x.
+                    for (block, m, sign) in [(1, 2, -1.0), (2, 1, 1.0), (4, 0, -1.0)] {
+                        let block = &mut work.tangent[block * NODES * NODES..(block + 1) * NODES * NODES];
+                        for (a, row) in ON_BORE.into_iter().enumerate() {
+                            for (b, column) in ON_BORE.into_iter().enumerate() {
+                                block[column * NODES + row] += sign * load.pressure * face.tangent[a][b][m];
+                            }
+                        }
+                    }
+                }
+            }
+            if with_tangent {
+                scatter.add_element(element, work);
+            }
+        }
+        let (mut gradient, mut tangent) = ([0.0; MAX_UNKNOWNS], [0.0; MAX_UNKNOWNS * MAX_UNKNOWNS]);
+        for fibre in &self.fibres.elements {
+            energy += fibre
+                .evaluate(&state.positions, &state.rotations, &mut gradient, &mut tangent)
+                .ok_or(Inverted)?;
+            let blocks = fibre.blocks();
+            let unknowns = 3 * blocks.len();
+            squares += gradient[..unknowns].iter().map(|value| value * value).sum::<f64>();
+            for (a, &Block::Point(point)) in blocks.iter().enumerate() {
+                for i in 0..3 {
+                    self.point_forces[point as usize][i] += gradient[3 * a + i];
+                    self.point_condensed[point as usize][i] += gradient[3 * a + i];
+                }
+                if !with_tangent {
+                    continue;
+                }
+                for (b, &Block::Point(other)) in blocks[..=a].iter().enumerate() {
+                    let block = Matrix3::from_fn(|i, k| tangent[(3 * b + k) * unknowns + 3 * a + i]);
+                    scatter.add([point, other], &block);
+                }
+            }
+        }
+        let cap_tangent = scatter.cap_tangent;
+        self.reduce(state, load, with_tangent.then_some(cap_tangent), forces);
+        forces.energy = energy;
+        forces.volume += volume;
+        forces.scale = squares.sqrt();
+        forces.mismatch = mismatch;
+        Ok(())
+    }
+
+    /// From forces on points to forces on unknowns, with the loads on the cap and the cap's own tangent.
+    fn reduce(
+        &mut self,
+        state: &SolidState,
+        load: &SolidLoad,
+        cap_tangent: Option<Matrix6<f64>>,
+        forces: &mut Forces,
+    ) {
+        let dimension = self.pattern.dimension();
+        for vector in [&mut forces.residual, &mut forces.condensed, &mut forces.volume_gradient] {
+            vector.clear();
+            vector.resize(dimension, 0.0);
+        }
+        let mut turning = Matrix3::zeros();
+        let mut on_cap = [Vector6::zeros(); 3];
+        for (point, follows) in self.follows.iter().enumerate() {
+            let volume = Vector3::from(self.point_volume[point]);
+            let outside = load.pressure * volume + self.masses[point] * load.gravity;
+            let all = [
+                Vector3::from(self.point_forces[point]) - outside,
+                Vector3::from(self.point_condensed[point]) - outside,
+                volume,
+            ];
+            match *follows {
+                Follows::Base => {}
+                Follows::Own(block) | Follows::Turned(block) => {
+                    let turn = matches!(follows, Follows::Turned(_));
+                    let vectors = [&mut forces.residual, &mut forces.condensed, &mut forces.volume_gradient];
+                    for (vector, force) in vectors.into_iter().zip(all) {
+                        let force = if turn { self.sector.tr_mul(&force) } else { force };
+                        for i in 0..3 {
+                            vector[self.pattern.first(block) + i] += force[i];
+                        }
+                    }
+                }
+                Follows::Cap => {
+                    let arm = Vector3::from(state.positions[point]) - state.cap;
+                    for (sum, force) in on_cap.iter_mut().zip(all) {
+                        *sum += joined(force, arm.cross(&force));
+                    }
+                    turning += second_turn(all[0], arm);
+                }
+            }
+        }
+        // The cap's share of the volume is area (c . n)/3, and a turn by w moves n by w x n.
+        let normal = state.cap_rotation * Vector3::z();
+        let third = self.cap_area / 3.0;
+        let cap_volume = third * joined(normal, normal.cross(&state.cap));
+        forces.volume = third * state.cap.dot(&normal);
+        let share = 1.0 / self.grid.sectors as f64;
+        let outside = share * joined(load.force + self.specimen.cap_mass * load.gravity, load.moment)
+            + load.pressure * cap_volume;
+        on_cap[0] -= outside;
+        on_cap[1] -= outside;
+        on_cap[2] += cap_volume;
+        let vectors = [&mut forces.residual, &mut forces.condensed, &mut forces.volume_gradient];
+        for (vector, sum) in vectors.into_iter().zip(on_cap) {
+            vector[self.cap_unknown..self.cap_unknown + 6].copy_from_slice(sum.as_slice());
+        }
+        if let Some(mut tangent) = cap_tangent {
+            turning -= load.pressure * third * second_turn(normal, state.cap);
+            let coupled = load.pressure * third * normal.cross_matrix();
+            let mut block = tangent.fixed_view_mut::<3, 3>(3, 3);
+            block += turning;
+            let mut block = tangent.fixed_view_mut::<3, 3>(0, 3);
+            block += coupled;
+            let mut block = tangent.fixed_view_mut::<3, 3>(3, 0);
+            block += coupled.transpose();
+            let place = self.pattern.place(self.cap_block, self.cap_block);
+            for i in 0..6 {
+                for j in 0..6 {
+                    self.values[place.index(i, j)] += tangent[(i, j)];
+                }
+            }
+        }
+    }
+
+    /// Adds dead forces on the cap (force and moment) and gravity to forces on the unknowns.
+    pub fn add_dead_loads(&self, [force, moment]: [Vector3<f64>; 2], gravity: Vector3<f64>, on: &mut [f64]) {
+        let share = 1.0 / self.grid.sectors as f64;
+        let cap = share * joined(force + self.specimen.cap_mass * gravity, moment);
+        for (value, add) in on[self.cap_unknown..].iter_mut().zip(cap.iter()) {
+            *value += add;
+        }
+        if gravity == Vector3::zeros() {
+            return;
+        }
+        for (follows, mass) in self.follows.iter().zip(&self.masses) {
+            let weight = *mass * gravity;
+            match *follows {
+                Follows::Base => {}
+                Follows::Own(block) | Follows::Turned(block) => {
+                    let turned = matches!(follows, Follows::Turned(_));
+                    let weight = if turned { self.sector.tr_mul(&weight) } else { weight };
+                    for i in 0..3 {
+                        on[self.pattern.first(block) + i] += weight[i];
+                    }
+                }
+                Follows::Cap => (0..3).for_each(|i| on[self.cap_unknown + i] += weight[i]),
+            }
+        }
+    }
+
+    /// Replaces the equations of held motions of the cap by themselves: rows and columns zero, one on the diagonal.
+    pub fn take_out_held(&mut self, held: [bool; 6]) {
+        for direction in (0..6).filter(|&direction| held[direction]) {
+            for &block in &self.beside_cap {
+                let place = self.pattern.place(self.cap_block, block);
+                for k in 0..self.pattern.size(block) {
+                    self.values[place.index(direction, k)] = 0.0;
+                    if block == self.cap_block {
+                        self.values[place.index(k, direction)] = 0.0;
+                    }
+                }
+            }
+            let place = self.pattern.place(self.cap_block, self.cap_block);
+            self.values[place.index(direction, direction)] = 1.0;
+        }
+    }
+}
+
+fn joined(force: Vector3<f64>, moment: Vector3<f64>) -> Vector6<f64> {
+    Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z)
+}
+
+/// Second derivative of `f . (exp(w) r)` by the turn w at zero, symmetric: (f r^T + r f^T)/2 - (f . r).
+fn second_turn(f: Vector3<f64>, r: Vector3<f64>) -> Matrix3<f64> {
+    0.5 * (f * r.transpose() + r * f.transpose()) - Matrix3::identity() * f.dot(&r)
+}
+
+/// Where blocks of the tangent between points go.
+struct Scatter<'a> {
+    values: &'a mut [f64],
+    pattern: &'a BlockPattern,
+    follows: &'a [Follows],
+    sector: Matrix3<f64>,
+    cap_block: u32,
+    positions: &'a [[f64; 3]],
+    cap: Vector3<f64>,
+    cap_tangent: Matrix6<f64>,
+}
+
+impl Scatter<'_> {
+    fn add_element(&mut self, element: &Element, work: &Workspace) {
+        for pair in &element.pairs {
+            let [a, b] = pair.nodes.map(usize::from);
+            let mut block = Matrix3::from_fn(|i, k| work.entry(a, i, b, k));
+            if pair.turned[0] {
+                block = self.sector.tr_mul(&block);
+            }
+            if pair.turned[1] {
+                block *= self.sector;
+            }
+            for i in 0..3 {
+                for k in 0..3 {
+                    self.values[pair.place.index(i, k)] += block[(i, k)];
+                }
+            }
+        }
+        for &a in &element.on_cap {
+            for b in 0..NODES as u8 {
+                let both = element.on_cap.contains(&b);
+                if !both || b <= a {
+                    let [a, b] = [a, b].map(usize::from);
+                    let block = Matrix3::from_fn(|i, k| work.entry(a, i, b, k));
+                    self.add([element.points[a], element.points[b]], &block);
+                }
+            }
+        }
+    }
+
+    /// How a step of the cap moves one of its points: [1, -[r]x].
+    fn lever(&self, point: u32) -> Matrix3x6<f64> {
+        let arm = Vector3::from(self.positions[point as usize]) - self.cap;
+        let mut lever = Matrix3x6::identity();
+        lever.fixed_view_mut::<3, 3>(0, 3).copy_from(&-arm.cross_matrix());
+        lever
+    }
+
+    /// Adds the block between two points and, where they differ, its transpose between them the other way round.
+    fn add(&mut self, [p, q]: [u32; 2], block: &Matrix3<f64>) {
+        let turned = |follows: Follows| matches!(follows, Follows::Turned(_));
+        match (self.follows[p as usize], self.follows[q as usize]) {
+            (Follows::Base, _) | (_, Follows::Base) => {}
+            (Follows::Cap, Follows::Cap) => {
+                let sum = self.lever(p).tr_mul(block) * self.lever(q);
+                self.cap_tangent += if p == q { sum } else { sum + sum.transpose() };
+            }
+            (Follows::Cap, column @ (Follows::Own(b) | Follows::Turned(b))) => {
+                let block = if turned(column) { block * self.sector } else { *block };
+                let block = self.lever(p).tr_mul(&block);
+                let place = self.pattern.place(self.cap_block, b);
+                for i in 0..6 {
+                    for k in 0..3 {
+                        self.values[place.index(i, k)] += block[(i, k)];
+                    }
+                }
+            }
+            (Follows::Own(_) | Follows::Turned(_), Follows::Cap) => self.add([q, p], &block.transpose()),
+            (
+                row @ (Follows::Own(a) | Follows::Turned(a)),
+                column @ (Follows::Own(b) | Follows::Turned(b)),
+            ) => {
+                let block = if turned(row) { self.sector.tr_mul(block) } else { *block };
+                let block = if turned(column) { block * self.sector } else { block };
+                let place = self.pattern.place(a, b);
+                for i in 0..3 {
+                    for k in 0..3 {
+                        self.values[place.index(i, k)] += block[(i, k)];
+                        if a == b && p != q {
+                            self.values[place.index(k, i)] += block[(i, k)];
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

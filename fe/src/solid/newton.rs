@@ -1,0 +1,277 @@
+use super::{
+    SolidError, SolidMesh, Specimen,
+    body::{Body, Forces},
+    state::{Motion, SolidLoad, SolidState, motion_of},
+};
+use crate::sparse::{Factorisation, Inertia};
+use nalgebra::Vector3;
+use std::time::{Duration, Instant};
+
+/// Relative residual, and relative mismatch of volume, at which a state counts as in equilibrium.
+const TOLERANCE: f64 = 1e-9;
+/// Newton steps to one state.
+const STEPS: usize = 25;
+/// Steps with an old factorisation go on while each leaves at most this share of the error.
+const CHORD_SHARE: f64 = 0.25;
+
+/// What is prescribed beside the load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Control {
+    /// The pressure is the load's.
+    Pressure,
+    /// The pressure is sought at which the enclosed volume (m^3, of the part that is meshed) is this.
+    Volume(f64),
+}
+
+/// Where the time went, and how often.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SolidCost {
+    /// Steps of Newton's method, with a new factorisation or an old one.
+    pub iterations: usize,
+    /// Factorisations.
+    pub factorisations: usize,
+    /// Time in residuals and tangents.
+    pub assembly: Duration,
+    /// Time in factorisations.
+    pub factorisation: Duration,
+    /// Time in substitutions.
+    pub substitution: Duration,
+}
+
+/// The equilibrium of one FREE as a solid: mesh, symbolic factorisation and space are made once, states are found one after another.
+pub struct SolidSolver {
+    pub(super) body: Body,
+    pub(super) factorisation: Factorisation,
+    pub(super) forces: Forces,
+    /// Eigenvalue signs of the tangent factorised last.
+    pub(super) inertia: Option<Inertia>,
+    cost: SolidCost,
+}
+
+/// Why Newton's method gave up: the last relative residual.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Lost(pub f64);
+
+impl SolidSolver {
+    /// The whole specimen.
+    ///
+    /// # Errors
+    /// [`SolidError::Invalid`] or [`SolidError::Degenerate`] where specimen or mesh make no sense.
+    pub fn new(specimen: &Specimen, mesh: SolidMesh) -> Result<Self, SolidError> {
+        Self::of(Body::new(specimen, mesh, 1)?)
+    }
+
+    fn of(body: Body) -> Result<Self, SolidError> {
+        let factorisation = Factorisation::new(&body.pattern, &[]);
+        Ok(SolidSolver {
+            body,
+            factorisation,
+            forces: Forces::default(),
+            inertia: None,
+            cost: SolidCost::default(),
+        })
+    }
+
+    /// The undeformed state, without load.
+    pub fn rest(&self) -> SolidState {
+        self.body.rest()
+    }
+
+    /// Unknowns of the system that is factorised.
+    pub fn unknowns(&self) -> usize {
+        self.body.pattern.dimension()
+    }
+
+    /// What has been spent so far.
+    pub fn cost(&self) -> SolidCost {
+        self.cost
+    }
+
+    /// Assembles at a state; the pressure that acts is the state's.
+    pub(super) fn assemble(&mut self, state: &SolidState, with_tangent: bool) -> Result<f64, Lost> {
+        let start = Instant::now();
+        let done = self.body.assemble(state, &state.load, with_tangent, &mut self.forces);
+        self.cost.assembly += start.elapsed();
+        done.map_err(|_| Lost(f64::NAN))?;
+        Ok(self.error(&state.load))
+    }
+
+    /// Relative residual of the last assembly.
+    fn error(&self, load: &SolidLoad) -> f64 {
+        let cap = self.body.cap_unknown;
+        let free = |index: usize| index < cap || !load.held[index - cap];
+        // Turns weigh as forces at the outer radius.
+        let radius = self.body.specimen.tube.outer_radius();
+        let squares: f64 = self
+            .forces
+            .residual
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| free(*index))
+            .map(|(index, value)| if index >= cap + 3 { (value / radius).powi(2) } else { value * value })
+            .sum();
+        // Without load there is nothing to compare with but the rubber's own stiffness.
+        let least = 1e-6 * self.body.specimen.elastomer.initial_shear_modulus() * radius * radius;
+        (squares.sqrt() / self.forces.scale.max(least)).max(self.forces.mismatch)
+    }
+
+    /// The tangent assembled last times a motion of the cap: the forces on all unknowns.
+    pub(super) fn tangent_times_cap(&self, motion: &[f64; 6]) -> Vec<f64> {
+        let mut vector = vec![0.0; self.unknowns()];
+        vector[self.body.cap_unknown..].copy_from_slice(motion);
+        let mut forces = vec![0.0; self.unknowns()];
+        self.body.pattern.multiply_into(&self.body.values, &vector, &mut forces);
+        forces
+    }
+
+    /// Factorises the tangent assembled last, with the held motions of the cap taken out.
+    pub(super) fn factorise(&mut self, held: [bool; 6]) -> Result<(), Lost> {
+        self.body.take_out_held(held);
+        let start = Instant::now();
+        let inertia = self.factorisation.factorise(&self.body.values);
+        self.cost.factorisation += start.elapsed();
+        self.cost.factorisations += 1;
+        self.inertia = Some(inertia.map_err(|_| Lost(f64::INFINITY))?);
+        Ok(())
+    }
+
+    fn substitute(&mut self, right_hand_sides: &mut [f64]) {
+        let start = Instant::now();
+        self.factorisation.solve(right_hand_sides);
+        self.cost.substitution += start.elapsed();
+    }
+
+    /// The motion that belongs to a step of the unknowns from a state that was assembled.
+    fn motion(&self, state: &SolidState, step: &[f64], with_mismatch: bool) -> Motion {
+        let (displacements, cap) = self.body.displacements(state, step);
+        let mut motion = motion_of(&self.body.grid, state, &displacements);
+        motion.pressures = self.body.pressure_steps(&displacements, with_mismatch);
+        motion.cap = cap;
+        motion
+    }
+
+    pub(super) fn moved(&self, state: &SolidState, motion: &Motion) -> SolidState {
+        let mut next = state.moved(&self.body.grid, motion);
+        self.body.settle(&mut next);
+        next
+    }
+
+    /// First-order motion of an equilibrium, assembled last, when the pressure changes by `by_pressure`, force and moment on the cap by
+    /// `forces`, gravity by `gravity` and the held motions of the cap by those of `held` (with the tangent times them), by the tangent
+    /// factorised last; and the step of the unknowns.
+    pub(super) fn first_order(
+        &mut self,
+        state: &SolidState,
+        by_pressure: f64,
+        forces: [Vector3<f64>; 2],
+        gravity: Vector3<f64>,
+        held: Option<(&[f64; 6], &[f64])>,
+    ) -> (Motion, Vec<f64>) {
+        let mut step: Vec<f64> =
+            self.forces.volume_gradient.iter().map(|gradient| by_pressure * gradient).collect();
+        self.body.add_dead_loads(forces, gravity, &mut step);
+        if let Some((_, moved)) = held {
+            for (value, force) in step.iter_mut().zip(moved) {
+                *value -= force;
+            }
+        }
+        for direction in (0..6).filter(|&direction| state.load.held[direction]) {
+            step[self.body.cap_unknown + direction] = held.map_or(0.0, |(motion, _)| motion[direction]);
+        }
+        self.substitute(&mut step);
+        (self.motion(state, &step, false), step)
+    }
+
+    /// The equilibrium near `guess`, and the motion from the guess to it.
+    pub(super) fn equilibrate(
+        &mut self,
+        guess: SolidState,
+        control: Control,
+    ) -> Result<(SolidState, Motion), Lost> {
+        let mut state = guess;
+        let mut total = Motion::none(&state, self.body.grid.lines[2]);
+        let held = state.load.held;
+        let cap = self.body.cap_unknown;
+        let mut error = self.assemble(&state, false)?;
+        let mut fresh = false;
+        let mut renew = true;
+        for _ in 0..STEPS {
+            let volume_gap = match control {
+                Control::Pressure => 0.0,
+                Control::Volume(volume) => volume - self.forces.volume,
+            };
+            if error < TOLERANCE && volume_gap.abs() <= TOLERANCE * self.forces.volume.abs() {
+                state.residual = error;
+                state.energy = self.forces.energy;
+                state.volume = self.forces.volume;
+                return Ok((state, total));
+            }
+            if renew {
+                self.assemble(&state, true)?;
+                self.factorise(held)?;
+                fresh = true;
+            }
+            let mut right: Vec<f64> = self.forces.condensed.iter().map(|force| -force).collect();
+            let columns = match control {
+                Control::Pressure => 1,
+                Control::Volume(_) => {
+                    right.extend(&self.forces.volume_gradient);
+                    2
+                }
+            };
+            let dimension = self.unknowns();
+            for column in 0..columns {
+                for direction in (0..6).filter(|&direction| held[direction]) {
+                    right[column * dimension + cap + direction] = 0.0;
+                }
+            }
+            self.substitute(&mut right);
+            self.cost.iterations += 1;
+            let mut pressure_step = 0.0;
+            if let Control::Volume(_) = control {
+                let along = |step: &[f64]| -> f64 {
+                    self.forces.volume_gradient.iter().zip(step).map(|(a, b)| a * b).sum()
+                };
+                let (step, slope) = right.split_at_mut(dimension);
+                pressure_step = (volume_gap - along(step)) / along(slope);
+                for (step, slope) in step.iter_mut().zip(slope) {
+                    *step += pressure_step * *slope;
+                }
+                right.truncate(dimension);
+            }
+            let step = self.motion(&state, &right, true);
+            let mut share = 1.0;
+            let mut best: Option<(f64, SolidState, f64)> = None;
+            for _ in 0..6 {
+                let mut motion = Motion::none(&state, self.body.grid.lines[2]);
+                motion.add(share, &step);
+                let mut trial = self.moved(&state, &motion);
+                trial.load.pressure += share * pressure_step;
+                if let Ok(found) = self.assemble(&trial, false)
+                    && best.as_ref().is_none_or(|(least, ..)| found < *least)
+                {
+                    best = Some((found, trial, share));
+                }
+                match &best {
+                    // Far from equilibrium the residual may grow by the curvature of the step and still be on its way.
+                    Some((found, ..)) if *found < 20.0 * error.max(1e-4) => break,
+                    _ => share *= 0.5,
+                }
+            }
+            let Some((found, next, share)) = best else { return Err(Lost(f64::NAN)) };
+            if share < 1.0 {
+                // The last trial assembled need not be the best one.
+                self.assemble(&next, false)?;
+            }
+            total.add(share, &step);
+            state = next;
+            renew = found > CHORD_SHARE * error || (fresh && found > 1e-2);
+            fresh = false;
+            error = found;
+            if !error.is_finite() || error > 1e6 {
+                return Err(Lost(error));
+            }
+        }
+        Err(Lost(error))
+    }
+}
