@@ -13,4 +13,5 @@ mod tests;
 
 pub use equilibrium::{Configuration, Equilibrium, RodError};
 pub use module::{RodModule, RodSettings, TipLoad};
+pub(crate) use motion::{Frame, LogVariation};
 pub use table::{SectionTable, TableError, TableGrid};

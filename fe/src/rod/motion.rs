@@ -54,7 +54,7 @@ impl Frame {
     }
 
     /// log(H^-1 other): rotation below pi.
-    pub(super) fn log_to(&self, other: &Frame) -> Vector6<f64> {
+    pub(crate) fn log_to(&self, other: &Frame) -> Vector6<f64> {
         let w = (self.rotation.inverse() * other.rotation).scaled_axis();
         let x = self.rotation.inverse_transform_vector(&(other.position - self.position));
         let c = log_coefficients(w.norm_squared()).translation;
@@ -117,7 +117,7 @@ fn coadjoint(f: &Vector6<f64>) -> Matrix6<f64> {
 
 /// How the logarithm d = log(H_a^-1 H_b) varies: `delta d = right^T xi_b - left^T xi_a`, and how a force `f` pulled back by
 /// it varies with d.
-pub(super) struct LogVariation {
+pub(crate) struct LogVariation {
     /// J_r^-T(d) = I + ad^T/2 + A ad^T^2 + B ad^T^4.
     pub right: Matrix6<f64>,
     /// J_l^-T(d), the same with -1/2.

@@ -400,7 +400,9 @@ impl Body {
             let blocks = fibre.blocks();
             let unknowns = 3 * blocks.len();
             squares += gradient[..unknowns].iter().map(|value| value * value).sum::<f64>();
-            for (a, &Block::Point(point)) in blocks.iter().enumerate() {
+            for (a, block) in blocks.iter().enumerate() {
+                // Trusses have no other unknowns.
+                let &Block::Point(point) = block else { continue };
                 for i in 0..3 {
                     self.point_forces[point as usize][i] += gradient[3 * a + i];
                     self.point_condensed[point as usize][i] += gradient[3 * a + i];
@@ -408,7 +410,8 @@ impl Body {
                 if !with_tangent {
                     continue;
                 }
-                for (b, &Block::Point(other)) in blocks[..=a].iter().enumerate() {
+                for (b, other) in blocks[..=a].iter().enumerate() {
+                    let &Block::Point(other) = other else { continue };
                     let block = Matrix3::from_fn(|i, k| tangent[(3 * b + k) * unknowns + 3 * a + i]);
                     scatter.add([point, other], &block);
                 }

@@ -31,6 +31,7 @@ struct Point {
 /// and two points on each integrate it.
 #[derive(Clone, Debug)]
 pub(crate) struct Crossing {
+    face: [u32; 9],
     blocks: [Block; 9],
     law: FibreLaw,
     /// Of a whole fibre, N.
@@ -80,6 +81,7 @@ impl Crossing {
             }
         }
         Crossing {
+            face: *face,
             blocks: face.map(Block::Point),
             law: fibre.law,
             axial_stiffness: fibre.axial_stiffness,
@@ -92,17 +94,10 @@ impl Crossing {
         &self.blocks
     }
 
-    fn face(&self) -> [u32; 9] {
-        self.blocks.map(|block| match block {
-            Block::Point(point) => point,
-        })
-    }
-
     fn samples(&self, positions: &[[f64; 3]]) -> [[f64; 3]; 4] {
-        let face = self.face();
-        let corner = positions[face[0] as usize];
+        let corner = positions[self.face[0] as usize];
         // Relative to one of them: far from the origin nothing is lost.
-        let near = face.map(|point| {
+        let near = self.face.map(|point| {
             let x = positions[point as usize];
             [x[0] - corner[0], x[1] - corner[1], x[2] - corner[2]]
         });
@@ -181,7 +176,7 @@ impl Crossing {
     /// Where the fibres are and what they carry, at all integration points.
     pub fn states<'a>(&'a self, positions: &[[f64; 3]]) -> impl Iterator<Item = FibreState> + 'a {
         let metric = self.samples(positions).map(|y| dot(y, y));
-        let nine = self.face().map(|point| positions[point as usize]);
+        let nine = self.face.map(|point| positions[point as usize]);
         self.points.iter().map(move |point| {
             let square: f64 = point.factors.iter().zip(metric).map(|(factor, m)| factor * m).sum();
             let stretch = square.sqrt();

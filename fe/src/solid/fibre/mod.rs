@@ -1,5 +1,6 @@
 //! Fibres on the tube's outer surface: helices that the surface carries along.
 
+mod beam;
 mod crossing;
 mod surface;
 #[cfg(test)]
@@ -9,10 +10,13 @@ mod truss;
 
 use super::{SolidError, Specimen, mesh::Grid};
 use actuator::Winding;
+pub(crate) use beam::Beam;
+use beam::BeamPlace;
 pub(crate) use crossing::Crossing;
-use nalgebra::UnitQuaternion;
+use nalgebra::{UnitQuaternion, Vector3, Vector6};
 use std::{collections::BTreeMap, f64::consts::TAU};
-use trace::{Around, Strand, trace};
+use surface::SurfacePoint;
+use trace::{Around, Piece, Strand, trace};
 pub(crate) use truss::Truss;
 use truss::TrussPiece;
 
@@ -21,6 +25,8 @@ use truss::TrussPiece;
 pub(crate) enum Block {
     /// Position of a point of the mesh, m.
     Point(u32),
+    /// Rotation R of a node of a beam: w (rad) in the node's own frame makes it R exp(w), see [`Fibres::moved`].
+    Rotation(u32),
 }
 
 /// A place on a fibre.
@@ -46,7 +52,9 @@ pub(crate) enum FibreElement {
     /// Stretches along lines of the mesh.
     Truss(Truss),
     /// Stretches across the mesh.
-    Crossing(Crossing),
+    Crossing(Box<Crossing>),
+    /// Bends and twists.
+    Beam(Box<Beam>),
 }
 
 impl FibreElement {
@@ -55,15 +63,17 @@ impl FibreElement {
         match self {
             FibreElement::Truss(truss) => truss.blocks(),
             FibreElement::Crossing(crossing) => crossing.blocks(),
+            FibreElement::Beam(beam) => beam.blocks(),
         }
     }
 
     /// Energy (J) at the positions (m) of all points and the rotations of all nodes that have one, as for
     /// [`FibreElement::evaluate`].
-    pub fn energy(&self, positions: &[[f64; 3]], _rotations: &[UnitQuaternion<f64>]) -> Option<f64> {
+    pub fn energy(&self, positions: &[[f64; 3]], rotations: &[UnitQuaternion<f64>]) -> Option<f64> {
         match self {
             FibreElement::Truss(truss) => truss.energy(positions),
             FibreElement::Crossing(crossing) => crossing.energy(positions),
+            FibreElement::Beam(beam) => beam.energy(positions, rotations),
         }
     }
 
@@ -73,33 +83,40 @@ impl FibreElement {
     pub fn evaluate(
         &self,
         positions: &[[f64; 3]],
-        _rotations: &[UnitQuaternion<f64>],
+        rotations: &[UnitQuaternion<f64>],
         gradient: &mut [f64],
         tangent: &mut [f64],
     ) -> Option<f64> {
         match self {
             FibreElement::Truss(truss) => truss.evaluate(positions, gradient, tangent),
             FibreElement::Crossing(crossing) => crossing.evaluate(positions, gradient, tangent),
+            FibreElement::Beam(beam) => beam.evaluate(positions, rotations, gradient, tangent),
         }
     }
 
     /// Stretch and tension at its integration points.
-    pub fn states(&self, positions: &[[f64; 3]], _rotations: &[UnitQuaternion<f64>]) -> Vec<FibreState> {
+    pub fn states(&self, positions: &[[f64; 3]], rotations: &[UnitQuaternion<f64>]) -> Vec<FibreState> {
         match self {
             FibreElement::Truss(truss) => truss.states(positions).collect(),
             FibreElement::Crossing(crossing) => crossing.states(positions).collect(),
+            FibreElement::Beam(beam) => beam.states(positions, rotations).collect(),
         }
     }
 }
 
 /// Largest number of unknowns of an element of fibres.
-pub(crate) const MAX_UNKNOWNS: usize = 27;
+pub(crate) const MAX_UNKNOWNS: usize = 33;
 
 /// All fibres of a specimen, or of one of its sectors.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Fibres {
     /// Contributions to the energy.
     pub elements: Vec<FibreElement>,
+    /// Rotations of the beams' nodes, undeformed, from the section's frame (x outwards, z along the fibre) to the base frame.
+    pub rotations: Vec<UnitQuaternion<f64>>,
+    /// The beams' rotation nodes at the base and at the tip, one pair a fibre. Unless the caps hold these, nothing but its curvature
+    /// holds a fibre against turning about itself: a straight one leaves the tangent singular.
+    pub ends: Vec<[u32; 2]>,
 }
 
 /// Gauss's rule of two points across an interval of a fibre's width: of the surface's two new lines of points per element, as
@@ -171,37 +188,142 @@ impl Fibres {
     /// All fibres as trusses; none for a bare tube.
     ///
     /// # Errors
-    /// [`SolidError::Invalid`] if a family does not divide into the grid's sectors.
+    /// [`SolidError::Invalid`] if a family does not divide into the grid's sectors, or its diameter is negative.
     pub fn trusses(specimen: &Specimen, grid: &Grid) -> Result<Self, SolidError> {
-        let outer = specimen.tube.outer_radius();
-        let layer = 2 * grid.through_tube;
-        let mut elements = vec![];
-        let mut first_fibre = 0;
+        let radius = specimen.tube.outer_radius();
+        let mut fibres = Fibres::default();
+        let mut first = 0;
         for winding in &specimen.windings {
-            let crosses = middle_line(grid, winding, outer, 0).slope != 0.0;
-            let mut cells: BTreeMap<[usize; 2], Vec<TrussPiece>> = BTreeMap::new();
-            for index in 0..fibres_in_sector(grid, winding)? {
-                for strand in strands(grid, winding, outer, index) {
-                    let mut arc_length = 0.0;
-                    for piece in trace(grid, specimen.tube.length, strand) {
-                        let [j, k] = piece.cell;
-                        let fibre = (first_fibre + index) as u32;
-                        let traced = TrussPiece { piece, share: strand.share, fibre, arc_length };
-                        arc_length += truss::length(&piece, &grid.face_points(layer, [j, k]), &grid.points);
-                        cells.entry([k, j]).or_default().push(traced);
-                    }
-                }
-            }
-            first_fibre += winding.fibres as usize;
-            elements.extend(cells.iter().map(|([k, j], pieces)| {
-                let face = grid.face_points(layer, [*j, *k]);
-                if crosses {
-                    FibreElement::Crossing(Crossing::new(pieces, &winding.fibre, &face, &grid.points))
-                } else {
-                    FibreElement::Truss(Truss::new(pieces, &winding.fibre, &face, &grid.points))
-                }
-            }));
+            let strands = (0..fibres_in_sector(grid, winding)?).flat_map(|index| {
+                let strands = strands(grid, winding, radius, index).into_iter();
+                strands.map(move |strand| ((first + index) as u32, strand))
+            });
+            fibres.elements.extend(stretching(specimen, grid, winding, strands));
+            first += winding.fibres as usize;
         }
-        Ok(Fibres { elements })
+        Ok(fibres)
     }
+
+    /// All fibres as beams in the fibres' middle lines, round sections of the fibres' diameter; none for a bare tube.
+    ///
+    /// # Errors
+    /// As for [`Fibres::trusses`], and [`SolidError::Invalid`] if a family has no diameter.
+    pub fn beams(specimen: &Specimen, grid: &Grid) -> Result<Self, SolidError> {
+        let radius = specimen.tube.outer_radius();
+        let mut fibres = Fibres::default();
+        let mut first = 0;
+        for winding in &specimen.windings {
+            let count = fibres_in_sector(grid, winding)?;
+            if winding.fibre.diameter == 0.0 {
+                return Err(SolidError::Invalid {
+                    field: "the fibres' diameter (m)",
+                    value: 0.0,
+                    requirement: "beams need one for their bending stiffness: give it, or take trusses",
+                });
+            }
+            let middles = || {
+                (0..count).map(|index| ((first + index) as u32, middle_line(grid, winding, radius, index)))
+            };
+            let mut stiffness = beam::stiffness(&winding.fibre);
+            if middle_line(grid, winding, radius, 0).slope != 0.0 {
+                // Between places that a quadratic surface has interpolated, chords are wrong by second order, and EA would resist.
+                stiffness[2] = 0.0;
+                fibres.elements.extend(stretching(specimen, grid, winding, middles()));
+            }
+            for (fibre, strand) in middles() {
+                fibres.add_beam(specimen, grid, winding, stiffness, (fibre, strand));
+            }
+            first += winding.fibres as usize;
+        }
+        Ok(fibres)
+    }
+
+    /// Two elements a piece of the strand.
+    fn add_beam(
+        &mut self,
+        specimen: &Specimen,
+        grid: &Grid,
+        winding: &Winding,
+        stiffness: Vector6<f64>,
+        (fibre, strand): (u32, Strand),
+    ) {
+        let tube = specimen.tube;
+        let turn = strand.slope + grid.turn;
+        let flare = tube.wall * (specimen.wall_taper - 1.0) / tube.length;
+        let face = |piece: &Piece| grid.face_points(2 * grid.through_tube, piece.cell);
+        let frame = |piece: &Piece, share: f64| {
+            let values = SurfacePoint::new(piece, share).values;
+            beam::helix_frame(SurfacePoint::combine(&values, &face(piece), &grid.points), turn, flare)
+        };
+        let pieces = trace(grid, tube.length, strand);
+        let start = self.rotations.len();
+        // A node is in the sector of the piece that begins there; the last one in that of the last piece.
+        let mut sectors = vec![];
+        for piece in &pieces {
+            self.rotations.extend([frame(piece, 0.0), frame(piece, 0.5)]);
+            sectors.extend([piece.sector; 2]);
+        }
+        let Some(last) = pieces.last() else { return };
+        self.rotations.push(frame(last, 1.0));
+        sectors.push(last.sector);
+        self.ends.push([start as u32, self.rotations.len() as u32 - 1]);
+        let mut arc_length = 0.0;
+        for (index, half) in (0..pieces.len()).flat_map(|index| [(index, 0), (index, 1)]) {
+            let piece = &pieces[index];
+            let node = |end: usize| {
+                let node = 2 * index + half + end;
+                let ahead = f64::from(sectors[node] - piece.sector) * TAU / grid.sectors as f64;
+                ((start + node) as u32, UnitQuaternion::from_axis_angle(&Vector3::z_axis(), ahead))
+            };
+            let place = BeamPlace {
+                piece,
+                shares: [0.5 * half as f64, 0.5 * (half + 1) as f64],
+                nodes: [node(0), node(1)],
+                fibre,
+                arc_length,
+            };
+            let undeformed = (&grid.points[..], &self.rotations[..]);
+            let beam = Beam::new(&place, winding.fibre.law, stiffness, &face(piece), undeformed);
+            arc_length += beam.length();
+            self.elements.push(FibreElement::Beam(Box::new(beam)));
+        }
+    }
+
+    /// A node's rotation after an increment w, rad, in its own frame: R exp(w).
+    pub fn moved(rotation: &UnitQuaternion<f64>, increment: [f64; 3]) -> UnitQuaternion<f64> {
+        let mut moved = rotation * UnitQuaternion::from_scaled_axis(Vector3::from(increment));
+        moved.renormalize();
+        moved
+    }
+}
+
+/// What answers to the stretch of strands of one family: an element for each face that they run through.
+fn stretching(
+    specimen: &Specimen,
+    grid: &Grid,
+    winding: &Winding,
+    strands: impl Iterator<Item = (u32, Strand)>,
+) -> Vec<FibreElement> {
+    let face = |[j, k]: [usize; 2]| grid.face_points(2 * grid.through_tube, [j, k]);
+    let mut cells: BTreeMap<[usize; 2], Vec<TrussPiece>> = BTreeMap::new();
+    let mut crosses = false;
+    for (fibre, strand) in strands {
+        crosses = strand.slope != 0.0;
+        let mut arc_length = 0.0;
+        for piece in trace(grid, specimen.tube.length, strand) {
+            let traced = TrussPiece { piece, share: strand.share, fibre, arc_length };
+            arc_length += truss::length(&piece, &face(piece.cell), &grid.points);
+            let [j, k] = piece.cell;
+            cells.entry([k, j]).or_default().push(traced);
+        }
+    }
+    let element = |([k, j], pieces): (&[usize; 2], &Vec<TrussPiece>)| {
+        let face = face([*j, *k]);
+        if crosses {
+            FibreElement::Crossing(Box::new(Crossing::new(pieces, &winding.fibre, &face, &grid.points)))
+        } else {
+            FibreElement::Truss(Truss::new(pieces, &winding.fibre, &face, &grid.points))
+        }
+    };
+    cells.iter().map(element).collect()
 }

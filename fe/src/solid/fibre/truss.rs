@@ -111,8 +111,9 @@ impl Truss {
     fn gather(&self, positions: &[[f64; 3]]) -> [[f64; 3]; 9] {
         let mut gathered = [[0.0; 3]; 9];
         for (place, block) in gathered.iter_mut().zip(&self.blocks) {
-            let Block::Point(point) = block;
-            *place = positions[*point as usize];
+            if let Block::Point(point) = block {
+                *place = positions[*point as usize];
+            }
         }
         gathered
     }

@@ -1,5 +1,6 @@
 //! Tests of fibres on interpolated surfaces.
 
+mod beam;
 mod tracing;
 mod truss;
 

@@ -20,8 +20,10 @@ fn evaluated(element: &FibreElement, positions: &[[f64; 3]]) -> (f64, Vec<f64>, 
 }
 
 fn point(element: &FibreElement, unknown: usize) -> (usize, usize) {
-    let Block::Point(point) = element.blocks()[unknown / 3];
-    (point as usize, unknown % 3)
+    match element.blocks()[unknown / 3] {
+        Block::Point(point) => (point as usize, unknown % 3),
+        Block::Rotation(node) => panic!("a truss does not turn node {node}"),
+    }
 }
 
 #[test]
