@@ -71,8 +71,11 @@ pub(crate) enum FactorError {
 }
 
 impl Factorisation {
-    /// Analysis of a pattern, serving all matrices of it. The order of elimination is minimum degree on the graph of
-    /// the blocks or one of the given ones (blocks in order), whichever needs the fewest operations.
+    /// Analysis of a pattern, serving all matrices of it. The order of elimination is found by minimum degree on the
+    /// graph of the blocks, several times, and that of the fewest operations is taken.
+    ///
+    /// Orders of the blocks may be given: minimum degree starts from each too, and they are candidates themselves. Give
+    /// sweeps in the directions of a structured mesh: in a tube, the nodes with the place along the axis fastest.
     ///
     /// # Panics
     /// If a given order is no permutation of the blocks.
@@ -81,7 +84,7 @@ impl Factorisation {
     }
 
     /// Analysis for one order of elimination.
-    pub(super) fn in_order(pattern: &BlockPattern, order: &[u32]) -> Self {
+    pub fn in_order(pattern: &BlockPattern, order: &[u32]) -> Self {
         let symbolic = Symbolic::new(pattern, order, RELAXATION);
         let fronts = Fronts::new(pattern, &symbolic);
         let largest = |size: fn(&Front) -> usize| fronts.fronts.iter().map(size).max().unwrap_or(0);

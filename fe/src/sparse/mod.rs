@@ -20,4 +20,5 @@ mod tests;
 
 pub(crate) use factorisation::{FactorError, Factorisation, Inertia};
 pub(crate) use modes::{Mode, lowest_modes};
+pub(crate) use ordering::{cheapest, minimum_degree};
 pub(crate) use pattern::{BlockPattern, Place};

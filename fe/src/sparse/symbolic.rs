@@ -146,7 +146,11 @@ fn trapezoid(width: usize, height: usize) -> usize {
     width * height - width * (width - 1) / 2
 }
 
-fn inverse(order: &[u32]) -> Vec<u32> {
+/// Position of each block in an order.
+///
+/// # Panics
+/// If the order is no permutation of the blocks.
+pub(super) fn inverse(order: &[u32]) -> Vec<u32> {
     let mut position = vec![NONE; order.len()];
     for (k, &block) in order.iter().enumerate() {
         assert!(position[block as usize] == NONE, "block {block} is twice in the order of elimination");

@@ -1,6 +1,9 @@
 mod factorisation;
 mod modes;
+mod ordering;
 mod pattern;
+mod solid;
+mod tube;
 
 use nalgebra::DMatrix;
 
