@@ -1,8 +1,7 @@
 use crate::{
-    Base, Elastomer, Fibre, FibreLaw, Free, Handedness, Limits, Module, OgdenForm, PlacedFree, Tip, Tube,
-    Winding,
+    Base, Fibre, FibreLaw, Free, Handedness, Limits, Module, PlacedFree, Tip, Tube, Winding, elastomer_file,
     section::{FieldError, Section},
-    units::{DEG, GRAM, KPA, MM, MPA},
+    units::{DEG, GRAM, KPA, MM},
 };
 use std::{fmt, fs, io, path::Path, path::PathBuf};
 
@@ -205,12 +204,12 @@ fn read_free<'t>(section: &mut Section<'t>, defaults: Option<&Section<'t>>) -> R
         None => None,
     };
     let elastomer = match (section.table("elastomer")?, fallback) {
-        (Some(mut own), fallback) => read_elastomer(&mut own, fallback.as_ref())?,
-        (None, Some(mut fallback)) => read_elastomer(&mut fallback, None)?,
+        (Some(mut own), fallback) => elastomer_file::read(&mut own, fallback.as_ref())?,
+        (None, Some(mut fallback)) => elastomer_file::read(&mut fallback, None)?,
         (None, None) => {
             return Err(section.error(
                 "elastomer",
-                "is missing; add a table [elastomer] with model and shear_modulus_mpa".into(),
+                "is missing; add a table [elastomer] with the model and its constants".into(),
             ));
         }
     };
@@ -220,42 +219,6 @@ fn read_free<'t>(section: &mut Section<'t>, defaults: Option<&Section<'t>>) -> R
         winding: Winding::from_hoop(angle * DEG, handedness, fibres as u32, fibre),
         elastomer,
     })
-}
-
-fn read_elastomer<'t>(
-    section: &mut Section<'t>,
-    defaults: Option<&Section<'t>>,
-) -> Result<Elastomer, FieldError> {
-    section.fall_back_on(defaults);
-    let model = section.required_word("model", "write model = \"ogden\" or \"neo-hookean\"")?;
-    let shear_modulus = section.required_number("shear_modulus_mpa", positive)? * MPA;
-    let elastomer = match model.as_str() {
-        "neo-hookean" => Elastomer::NeoHookean { shear_modulus },
-        "ogden" => {
-            let alpha = section.required_number("alpha", |alpha| {
-                let fits = alpha != 0.0 && alpha.abs() <= 20.0;
-                fits.then_some(()).ok_or("must not be zero nor beyond 20 in size")
-            })?;
-            let form = match section.word("form")?.as_deref() {
-                None | Some("2mu/alpha^2") => OgdenForm::InitialModulus,
-                Some("2mu/alpha") => OgdenForm::Printed,
-                Some(other) => {
-                    let message = format!("unknown form \"{other}\"; write \"2mu/alpha^2\" or \"2mu/alpha\"");
-                    return Err(section.error("form", message));
-                }
-            };
-            Elastomer::Ogden { shear_modulus, alpha, form }
-        }
-        other => {
-            let message = format!("unknown model \"{other}\"; write \"ogden\" or \"neo-hookean\"");
-            return Err(section.error("model", message));
-        }
-    };
-    if elastomer.initial_shear_modulus() <= 0.0 {
-        return Err(section.error("alpha", "makes the initial shear modulus negative in this form".into()));
-    }
-    section.finish()?;
-    Ok(elastomer)
 }
 
 fn read_module(root: &mut Section) -> Result<Module, FieldError> {

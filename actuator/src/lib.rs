@@ -16,6 +16,7 @@
 pub mod artefact;
 mod description;
 mod elastomer;
+mod elastomer_file;
 mod free;
 mod free_map;
 mod module;
@@ -27,7 +28,9 @@ pub mod units;
 mod winding;
 
 pub use description::{Description, DescriptionError, Rig};
-pub use elastomer::{Elastomer, OgdenForm};
+pub use elastomer::{
+    ARRUDA_BOYCE, Elastomer, ElastomerError, OgdenForm, OgdenTerm, OgdenTerms, chain_stiffening,
+};
 pub use free::Free;
 pub use free_map::{FreeMap, FreePath, FreeState, PathEnd};
 pub use module::{Base, Limits, Module, PlacedFree, Tip};

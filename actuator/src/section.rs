@@ -143,6 +143,22 @@ impl<'t> Section<'t> {
         items.iter().map(|item| self.as_number(field, item)).collect::<Checked<Vec<_>>>().map(Some)
     }
 
+    /// One number, or a list of any length.
+    pub fn required_list(&self, field: &str) -> Checked<Vec<f64>> {
+        match self.find(field) {
+            None => Err(self.missing(field, &format!("write {field} = a number, or a list of numbers"))),
+            Some(value) => match value.get_ref() {
+                DeValue::Array(items) => items.iter().map(|item| self.as_number(field, item)).collect(),
+                _ => Ok(vec![self.as_number(field, value)?]),
+            },
+        }
+    }
+
+    /// Whether the field is given.
+    pub fn has(&self, field: &str) -> bool {
+        self.own.contains_key(field) || self.defaults.is_some_and(|table| table.contains_key(field))
+    }
+
     pub fn required_numbers(&self, field: &str, count: usize) -> Checked<Vec<f64>> {
         self.numbers(field, count)?
             .ok_or_else(|| self.missing(field, &format!("write a list of {count} numbers")))

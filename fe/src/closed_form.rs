@@ -1,5 +1,9 @@
-use crate::{SectionLaw, SectionResponse, jet::Jet};
-use actuator::{Elastomer, FibreLaw, Free, FreeState, OgdenForm};
+use crate::{
+    SectionLaw, SectionResponse,
+    jet::Jet,
+    material::{InvariantDerivatives, InvariantEnergy, Rubber},
+};
+use actuator::{FibreLaw, Free, FreeState};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
 
@@ -11,13 +15,16 @@ use std::f64::consts::PI;
 /// A fibre of turn `k = cot(angle)/B` has `stretch^2 = (b^2 (k + tau)^2 + lambda^2)/(B^2 k^2 + 1)`. Minimised is the enthalpy
 /// `Phi = integral 2 pi R W dR + n EA/2 sqrt(B^2 k^2 + 1) (stretch - 1)^2 - p pi a^2 lambda`, per reference length; tension-only
 /// fibres carry no energy below stretch 1. Right-handed whatever the FREE's hand; callers mirror.
+///
+/// W is that of any isotropic rubber; the small strain of a linear elastic one is taken in the cylindrical frames before and
+/// after, as the section's elements do.
 #[derive(Clone, Debug)]
 pub struct ThickTube {
     inner_radius: f64,
     outer_radius: f64,
-    /// Factor and half exponent of the energy `c sum (l^2)^(alpha/2)`.
-    factor: f64,
-    half_exponent: f64,
+    rubber: Rubber,
+    /// Initial shear modulus, Pa: the unit of stress.
+    stress_unit: f64,
     /// Radii squared over A^2 and weights (2 pi R dR) of the integration through the wall.
     points: Vec<(f64, f64)>,
     fibres: Option<SmearedFibres>,
@@ -67,13 +74,6 @@ impl ThickTube {
     /// The tube of a FREE without any fibre.
     pub fn bare(free: &Free) -> Self {
         let (a, b) = (free.tube.inner_radius, free.tube.outer_radius());
-        let (factor, alpha) = match free.elastomer {
-            Elastomer::NeoHookean { shear_modulus } => (0.5 * shear_modulus, 2.0),
-            Elastomer::Ogden { shear_modulus, alpha, form } => match form {
-                OgdenForm::InitialModulus => (2.0 * shear_modulus / (alpha * alpha), alpha),
-                OgdenForm::Printed => (2.0 * shear_modulus / alpha, alpha),
-            },
-        };
         let points = gauss_legendre(POINTS)
             .into_iter()
             .map(|(at, weight)| {
@@ -84,8 +84,8 @@ impl ThickTube {
         ThickTube {
             inner_radius: a,
             outer_radius: b,
-            factor,
-            half_exponent: 0.5 * alpha,
+            rubber: free.elastomer.into(),
+            stress_unit: free.elastomer.initial_shear_modulus(),
             points,
             fibres: None,
         }
@@ -105,12 +105,7 @@ impl ThickTube {
             let radial = (stretch2 * x).powf(-1.0) * radius2;
             let hoop = x * (1.0 / radius2);
             let shear = x * twist2 * ratio2;
-            let plane = (hoop + shear + stretch2) * 0.5;
-            let difference = hoop + shear - stretch2;
-            let split = difference * difference * 0.25 + shear * stretch2;
-            let powers = radial.powf(self.half_exponent)
-                + Jet::compose2(plane, split, pair_of_powers(self.half_exponent, plane.value, split.value));
-            total = total + (powers - Jet::constant(3.0)) * (weight * self.factor);
+            total = total + self.energy(radial, hoop, shear, stretch2) * weight;
         }
         if let Some(fibres) = self.fibres {
             // (b/B)^2
@@ -124,6 +119,38 @@ impl ThickTube {
             }
         }
         total - area * stretch * (pressure * PI * a2)
+    }
+
+    /// W of F with the rows (sqrt(radial), 0, 0), (0, sqrt(hoop), sqrt(shear)), (0, 0, sqrt(axial)) and det F = 1.
+    fn energy(&self, radial: Jet, hoop: Jet, shear: Jet, axial: Jet) -> Jet {
+        match &self.rubber {
+            Rubber::Ogden(ogden) => {
+                let plane = (hoop + shear + axial) * 0.5;
+                let difference = hoop + shear - axial;
+                let split = difference * difference * 0.25 + shear * axial;
+                let mut sum = Jet::constant(0.0);
+                for term in ogden.0.terms() {
+                    let half = 0.5 * term.alpha;
+                    let pair = pair_of_powers(half, plane.value, split.value);
+                    let powers = radial.powf(half) + Jet::compose2(plane, split, pair);
+                    sum = sum + (powers - Jet::constant(3.0)) * term.factor;
+                }
+                sum
+            }
+            Rubber::LinearElastic(material) => {
+                // mu (|e|^2 - (tr e)^2/3), e_theta,z = sqrt(shear)/2.
+                let [r, h, l] = [radial, hoop, axial].map(|square| square.powf(0.5) - Jet::constant(1.0));
+                let trace = r + h + l;
+                let shape = r * r + h * h + l * l + shear * 0.5 - trace * trace * (1.0 / 3.0);
+                shape * material.shear_modulus
+            }
+            Rubber::NeoHookean(material) => invariant_energy(&material.0, radial, hoop, shear, axial),
+            Rubber::MooneyRivlin(material) => invariant_energy(&material.0, radial, hoop, shear, axial),
+            Rubber::Yeoh(material) => invariant_energy(&material.0, radial, hoop, shear, axial),
+            Rubber::Gent(material) => invariant_energy(&material.0, radial, hoop, shear, axial),
+            Rubber::ArrudaBoyce(material) => invariant_energy(&material.0, radial, hoop, shear, axial),
+            Rubber::StVenantKirchhoff(material) => invariant_energy(&material.0, radial, hoop, shear, axial),
+        }
     }
 
     /// The free, closed tube at a pressure (Pa), followed from rest: stretch, expansion and twist of a right-handed winding.
@@ -161,7 +188,7 @@ impl ThickTube {
             }
             at += step;
             if step.amax() < TOLERANCE {
-                let scale = self.factor * self.inner_radius * self.inner_radius;
+                let scale = self.stress_unit * self.inner_radius * self.inner_radius;
                 return Some((at, self.enthalpy(pressure, &at).gradient.amax() / scale));
             }
         }
@@ -201,7 +228,7 @@ impl ThickTube {
     /// Equilibrium (state and pressure) of the free tube at a given a/A, near another one.
     fn at_radius(&self, radius: f64, near: (Unknowns, f64)) -> Option<(Unknowns, f64)> {
         let a2 = self.inner_radius * self.inner_radius;
-        let scale = self.factor;
+        let scale = self.stress_unit;
         let (mut at, mut pressure) = near;
         at[0] = radius * radius;
         for _ in 0..30 {
@@ -301,6 +328,16 @@ impl SectionLaw for ThickTube {
             stiffness: [[nan; 2]; 2],
         })
     }
+}
+
+/// W(I1, I2) of the F of [`ThickTube::energy`]: the block of hoop and axis has the determinant 1/sqrt(radial).
+fn invariant_energy<M: InvariantEnergy>(material: &M, radial: Jet, hoop: Jet, shear: Jet, axial: Jet) -> Jet {
+    let plane = hoop + shear + axial;
+    let first = radial + plane;
+    let second = if M::SECOND_INVARIANT { hoop * axial + radial * plane } else { Jet::constant(3.0) };
+    let InvariantDerivatives { energy, first: [w1, w2], second: [w11, w12, w22] } =
+        material.derivatives(first.value, second.value);
+    Jet::compose2(first, second, [energy, w1, w2, w11, w12, w22])
 }
 
 /// `(m + d)^e + (m - d)^e` with `q = d^2` and its derivatives: value, g_m, g_q, g_mm, g_mq, g_qq.

@@ -1,5 +1,5 @@
 use super::*;
-use actuator::{Fibre, Handedness, Tube, Winding};
+use actuator::{Elastomer, Fibre, Handedness, OgdenForm, OgdenTerm, OgdenTerms, Tube, Winding};
 
 /// The specimen of the published study: 9.52 mm tube with a 0.8 mm wall, six linear fibres of 644 N.
 fn specimen(angle_deg: f64, shear_modulus: f64, axial_stiffness: f64, alpha: f64) -> Free {
@@ -86,8 +86,23 @@ fn smeared_fibres_meet_the_printed_table() {
 
 #[test]
 fn enthalpy_derivatives_match_differences() {
-    let free = specimen(30.0, 0.393e6, 644.0, 1.2);
-    let tube = ThickTube::new(&free);
+    let mu = 0.393e6;
+    let one = specimen(30.0, mu, 644.0, 1.2);
+    let term = |share: f64, alpha| OgdenTerm { shear_modulus: share * mu, alpha };
+    let terms = OgdenTerms::new(&[term(0.9, 1.3), term(0.02, 5.0), term(0.08, -2.0)]).unwrap();
+    for elastomer in [
+        one.elastomer,
+        Elastomer::OgdenSeries { terms },
+        Elastomer::MooneyRivlin { c10: 0.4 * mu, c01: 0.1 * mu },
+        Elastomer::Gent { shear_modulus: mu, locking_invariant: 20.0 },
+        Elastomer::StVenantKirchhoff { shear_modulus: mu },
+        Elastomer::LinearElastic { shear_modulus: mu },
+    ] {
+        check_enthalpy(&ThickTube::new(&Free { elastomer, ..one }));
+    }
+}
+
+fn check_enthalpy(tube: &ThickTube) {
     // Rest (equal principal stretches: the series), near it, and a state far from it (the closed formula).
     for at in [[1.0, 1.0, 0.0], [1.02, 1.01, 0.01], [1.5, 1.1, -0.3], [0.8, 1.3, 0.6]] {
         let at = Unknowns::from(at);

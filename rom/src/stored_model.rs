@@ -27,6 +27,7 @@ pub(crate) struct StoredSpline {
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(clippy::large_enum_variant, reason = "there is one of it, while a file is read or written")]
 pub(crate) enum StoredContent {
     Free { facts: FreeFacts, scaled_reference: StoredSpline, states: StoredSpline },
     Module { facts: ModuleFacts, chart: StoredSpline, slopes: Vec<Vec<f64>> },

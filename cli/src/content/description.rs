@@ -128,7 +128,8 @@ fn law(law: FibreLaw) -> &'static str {
 }
 
 fn rubber(elastomer: &Elastomer) -> String {
-    let mu = short(elastomer.shear_modulus() / MPA);
+    let mpa = |value: f64| short(value / MPA);
+    let mu = mpa(elastomer.shear_modulus());
     match elastomer {
         Elastomer::NeoHookean { .. } => format!("neo-Hookean, µ {mu} MPa"),
         Elastomer::Ogden { alpha, form: OgdenForm::InitialModulus, .. } => {
@@ -137,5 +138,25 @@ fn rubber(elastomer: &Elastomer) -> String {
         Elastomer::Ogden { alpha, form: OgdenForm::Printed, .. } => {
             format!("Ogden as printed (2µ/α), µ {mu} MPa, α {alpha}")
         }
+        Elastomer::OgdenSeries { terms } => {
+            let terms = terms.as_slice().iter();
+            let each =
+                terms.map(|term| format!("{} MPa at α {}", mpa(term.shear_modulus), short(term.alpha)));
+            format!("Ogden, µ {mu} MPa = {}", each.collect::<Vec<_>>().join(" + "))
+        }
+        Elastomer::MooneyRivlin { c10, c01 } => {
+            format!("Mooney-Rivlin, c10 {}, c01 {} MPa (µ {mu} MPa)", mpa(*c10), mpa(*c01))
+        }
+        Elastomer::Yeoh { c10, c20, c30 } => {
+            format!("Yeoh, c10 {}, c20 {}, c30 {} MPa (µ {mu} MPa)", mpa(*c10), mpa(*c20), mpa(*c30))
+        }
+        Elastomer::Gent { locking_invariant, .. } => {
+            format!("Gent, µ {mu} MPa, Jm {}", short(*locking_invariant))
+        }
+        Elastomer::ArrudaBoyce { locking_stretch, .. } => {
+            format!("Arruda-Boyce, µ {mu} MPa, locking at {}", short(*locking_stretch))
+        }
+        Elastomer::StVenantKirchhoff { .. } => format!("St Venant-Kirchhoff, µ {mu} MPa"),
+        Elastomer::LinearElastic { .. } => format!("linear elastic, µ {mu} MPa"),
     }
 }

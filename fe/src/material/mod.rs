@@ -1,17 +1,32 @@
 //! Hyperelastic energies of rubbers: one file each, one test list for all.
 
+mod arruda_boyce;
+mod gent;
+mod invariants;
 mod isochoric;
+mod linear_elastic;
+mod mooney_rivlin;
 mod neo_hookean;
 mod ogden;
+mod rubber;
+mod st_venant_kirchhoff;
 #[cfg(test)]
 mod tests;
+mod yeoh;
 
-use actuator::Elastomer;
 use nalgebra::{Matrix3, SMatrix};
 
+pub use arruda_boyce::ArrudaBoyce;
+pub use gent::Gent;
+pub use invariants::{InvariantDerivatives, InvariantEnergy};
 pub use isochoric::Isochoric;
+pub use linear_elastic::LinearElastic;
+pub use mooney_rivlin::MooneyRivlin;
 pub use neo_hookean::NeoHookean;
 pub use ogden::Ogden;
+pub use rubber::Rubber;
+pub use st_venant_kirchhoff::StVenantKirchhoff;
+pub use yeoh::Yeoh;
 
 /// Second derivatives of an energy by the deformation gradient, Pa: entry `(3 i + j, 3 k + l)` is d2W/dF_ij dF_kl.
 pub type Tangent = SMatrix<f64, 9, 9>;
@@ -27,13 +42,28 @@ pub struct Answer {
     pub tangent: Tangent,
 }
 
+impl Answer {
+    /// The answer where there is none.
+    const NAN: Answer = Answer {
+        energy: f64::NAN,
+        stress: Matrix3::from_array_storage(nalgebra::ArrayStorage([[f64::NAN; 3]; 3])),
+        tangent: Tangent::from_array_storage(nalgebra::ArrayStorage([[f64::NAN; 9]; 9])),
+    };
+}
+
 /// An elastomer whose stress derives from an energy W(F) of the deformation gradient F, with det F > 0.
 ///
-/// Every energy here depends on the stretches only (objective, isotropic) and is zero at F = 1. Where det F is not positive
-/// the answer may be NaN; the elements refuse such a state before they ask.
+/// Every energy here is zero at F = 1 and, [`LinearElastic`] apart, depends on the stretches only (objective, isotropic). Where
+/// det F is not positive the answer may be NaN; the elements refuse such a state before they ask. Where a material cannot be
+/// stretched so far ([`Gent`]) all numbers of the answer are NaN: a solver that meets them takes a shorter step.
 pub trait Hyperelastic {
     /// Energy, stress and tangent together.
     fn answer(&self, deformation_gradient: &Matrix3<f64>) -> Answer;
+
+    /// The answer of W(J^(-1/3) F), J = det F, which does not answer to change of volume (see [`Isochoric`]).
+    fn isochoric_answer(&self, deformation_gradient: &Matrix3<f64>) -> Answer {
+        isochoric::by_chain_rule(self, deformation_gradient)
+    }
 
     /// W(F), J per reference volume.
     fn energy(&self, deformation_gradient: &Matrix3<f64>) -> f64 {
@@ -54,35 +84,4 @@ pub trait Hyperelastic {
 /// Where F_ij stands in the rows and columns of a [`Tangent`].
 pub(crate) const fn flat(i: usize, j: usize) -> usize {
     3 * i + j
-}
-
-/// The shape-changing part of an [`Elastomer`]'s energy: W(F/(det F)^(1/3)). Its volume is held by the element.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Rubber {
-    /// Neo-Hookean.
-    NeoHookean(Isochoric<NeoHookean>),
-    /// One Ogden term, either form.
-    Ogden(Isochoric<Ogden>),
-}
-
-impl From<Elastomer> for Rubber {
-    fn from(elastomer: Elastomer) -> Self {
-        match elastomer {
-            Elastomer::NeoHookean { shear_modulus } => {
-                Rubber::NeoHookean(Isochoric(NeoHookean { shear_modulus }))
-            }
-            Elastomer::Ogden { shear_modulus, alpha, form } => {
-                Rubber::Ogden(Isochoric(Ogden::new(shear_modulus, alpha, form)))
-            }
-        }
-    }
-}
-
-impl Hyperelastic for Rubber {
-    fn answer(&self, deformation_gradient: &Matrix3<f64>) -> Answer {
-        match self {
-            Rubber::NeoHookean(material) => material.answer(deformation_gradient),
-            Rubber::Ogden(material) => material.answer(deformation_gradient),
-        }
-    }
 }

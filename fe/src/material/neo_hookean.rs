@@ -1,7 +1,6 @@
-use super::{Answer, Hyperelastic, Tangent};
-use nalgebra::Matrix3;
+use super::{InvariantDerivatives, InvariantEnergy};
 
-/// W = mu/2 (F : F - 3), the sum of the squared stretches.
+/// W = mu/2 (I1 - 3), with I1 = F : F the sum of the squared stretches.
 ///
 /// Alone it is not at rest at F = 1 (P = mu 1): it is meant for incompressible rubber, inside [`super::Isochoric`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,13 +9,12 @@ pub struct NeoHookean {
     pub shear_modulus: f64,
 }
 
-impl Hyperelastic for NeoHookean {
-    fn answer(&self, deformation_gradient: &Matrix3<f64>) -> Answer {
-        let mu = self.shear_modulus;
-        Answer {
-            energy: 0.5 * mu * (deformation_gradient.norm_squared() - 3.0),
-            stress: mu * deformation_gradient,
-            tangent: Tangent::from_diagonal_element(mu),
-        }
+impl InvariantEnergy for NeoHookean {
+    const SECOND_INVARIANT: bool = false;
+
+    #[inline]
+    fn derivatives(&self, first: f64, _: f64) -> InvariantDerivatives {
+        let half = 0.5 * self.shear_modulus;
+        InvariantDerivatives { energy: half * (first - 3.0), first: [half, 0.0], second: [0.0; 3] }
     }
 }

@@ -14,6 +14,9 @@ const LONGEST_STEP: f64 = 0.08;
 const SHORTEST_STEP: f64 = 1e-6;
 /// A path without a limit point ends where the bore or the length has grown this often.
 const RANGE: f64 = 3.0;
+/// ... or where the pressure is this many times mu: the chains of a rubber that locks are then drawn out, and the volume of the wall,
+/// held by K/mu = 1e5, is no longer that of the incompressible tube. Limit pressures of tubes are far below: 0.1 to 0.4 at the published wall.
+const PRESSURE_RANGE: f64 = 8.0;
 /// Change of log p over that of log V at which the pressure counts as stationary: the pressure is then exact to the square
 /// of this.
 const FLAT: f64 = 1e-6;
@@ -227,7 +230,8 @@ impl Path {
                     share = (share * ratio.clamp(0.5, 1.6)).min(LONGEST_STEP);
                     let falling = station.slope() <= 0.0;
                     let grown = station.state.globals[0] > RANGE
-                        || station.volume / (rest_volume * station.state.globals[0]) > RANGE * RANGE;
+                        || station.volume / (rest_volume * station.state.globals[0]) > RANGE * RANGE
+                        || station.pressure() > PRESSURE_RANGE;
                     if falling {
                         let limit = walker
                             .limit(last, &station)

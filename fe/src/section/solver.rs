@@ -7,7 +7,7 @@ use super::{
     problem::{Problem, State},
 };
 use crate::SectionResponse;
-use actuator::{Free, FreePath};
+use actuator::{ElastomerError, Free, FreePath};
 use nalgebra::Matrix3;
 
 /// Shortest share of the way to a wanted state that is tried.
@@ -95,12 +95,12 @@ fn check_free(free: &Free, mesh: SectionMesh) -> Result<(), SectionError> {
     )?;
     let requirement = "a fibre without width is a line load without an answer; give its diameter in m";
     check("diameter", fibre.diameter, positive(fibre.diameter), requirement)?;
-    let mu = free.elastomer.shear_modulus();
-    check("shear_modulus", mu, positive(mu), "it must be positive, in Pa")?;
-    if let actuator::Elastomer::Ogden { alpha, .. } = free.elastomer {
-        let accepted = alpha.is_finite() && alpha.abs() >= 1e-3;
-        check("alpha", alpha, accepted, "the Ogden exponent must be a number other than zero")?;
-    }
+    let of_rubber = |error: ElastomerError| SectionError::Invalid {
+        field: error.field,
+        value: error.value,
+        requirement: error.requirement,
+    };
+    free.elastomer.check().map_err(of_rubber)?;
     for (field, count) in
         [("radial", mesh.radial), ("under_fibre", mesh.under_fibre), ("between_fibres", mesh.between_fibres)]
     {

@@ -222,3 +222,47 @@ fn a_thinner_thread_lets_the_wall_bulge_more_by_as_much_at_each_halving() {
     let (first, second) = (expansion[1] - expansion[0], expansion[2] - expansion[1]);
     assert!(first > 1e-3 && (second / first - 1.0).abs() < 0.2, "{expansion:?}");
 }
+
+#[test]
+fn every_rubber_meets_the_closed_form_under_fibres_that_cover_the_tube() {
+    let mu = 0.393e6;
+    let term = |share: f64, alpha| OgdenTerm { shear_modulus: share * mu, alpha };
+    let terms = OgdenTerms::new(&[term(0.9, 1.3), term(0.02, 5.0), term(0.08, -2.0)]).unwrap();
+    for elastomer in [
+        Elastomer::OgdenSeries { terms },
+        Elastomer::MooneyRivlin { c10: 0.4 * mu, c01: 0.1 * mu },
+        Elastomer::Yeoh { c10: 0.5 * mu, c20: -0.05 * mu, c30: 0.02 * mu },
+        Elastomer::Gent { shear_modulus: mu, locking_invariant: 3.0 },
+        Elastomer::ArrudaBoyce { shear_modulus: mu, locking_stretch: 1.3 },
+        Elastomer::StVenantKirchhoff { shear_modulus: mu },
+        Elastomer::LinearElastic { shear_modulus: mu },
+    ] {
+        let mut free = smeared(free(30.0));
+        free.elastomer = elastomer;
+        let (found, _) = states(&free, COARSE, &[20.0, 60.0]);
+        for (pressure, state) in [20e3, 60e3].into_iter().zip(found) {
+            let exact = ThickTube::new(&free).free_state(pressure).unwrap();
+            let what = format!("{elastomer:?} at {pressure} Pa: {state:?}, {exact:?}");
+            // The compressibility of the wall and two elements through it, as above.
+            assert!((state[0] - exact.axial_stretch).abs() < 2e-5, "{what}");
+            assert!((state[1] - exact.expansion).abs() < 2e-5, "{what}");
+            let twist = 1e-3 * exact.twist_per_length.to_degrees();
+            assert!((state[2] - twist).abs() < 2e-4, "{what}");
+        }
+    }
+}
+
+#[test]
+fn a_rubber_that_locks_is_followed_by_shorter_steps() {
+    // I1 = 3.35 at most: the predictor of the path overshoots it at every turn.
+    let mut free = smeared(free(45.0));
+    free.elastomer = Elastomer::Gent { shear_modulus: 0.393e6, locking_invariant: 0.35 };
+    let exact = ThickTube::new(&free).free_state(400e3).unwrap();
+    let errors = [2, 4].map(|radial| {
+        let (found, limit) = states(&free, SectionMesh { radial, ..COARSE }, &[400.0]);
+        assert!(limit.is_none(), "a tube that locks does not balloon");
+        (found[0][1] - exact.expansion).abs()
+    });
+    // Strains rise steeply through a wall that is about to lock: the mesh shows, and less the finer it is.
+    assert!(errors[0] < 1e-3 && errors[1] < 0.4 * errors[0], "{errors:?}");
+}

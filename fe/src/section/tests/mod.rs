@@ -11,7 +11,9 @@ use super::{
     *,
 };
 use crate::{SectionLaw, ThickTube};
-use actuator::{Elastomer, Fibre, FibreLaw, Free, Handedness, OgdenForm, PathEnd, Tube, Winding};
+use actuator::{
+    Elastomer, Fibre, FibreLaw, Free, Handedness, OgdenForm, OgdenTerm, OgdenTerms, PathEnd, Tube, Winding,
+};
 
 /// The tube of the reference numbers: mu = 0.393 MPa, Ogden 1.2, bore 4.76 mm, wall 0.8 mm, six linear fibres of 644 N.
 pub(crate) fn free(winding_angle_deg: f64) -> Free {
