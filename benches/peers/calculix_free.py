@@ -1,7 +1,7 @@
 """The FREE in CalculiX: C3D20R, the fibres as SPRINGA between neighbouring nodes, SPOOLES; its own Newton loop and increments.
 
 The tip cap is a ring of stiff elements beyond the rubber (modulus 25 000 mu), pulled by a pressure on its end face that gives the force of the
-pressure on the closed cap. CalculiX's own rigid body (`--cap rigid`) agrees with it to 0.05 % in stretch and twist, but its constraint is
+pressure on the closed cap. CalculiX's own rigid body (`--cap rigid`) agrees with it to 0.1 % in stretch and twist, but its constraint is
 linearised so that the same path takes two to three times the iterations. A bare tube does not turn, so it gets the rigid body.
 """
 
