@@ -157,17 +157,18 @@ impl Crossing {
         let follow: [[f64; 27]; 4] = std::array::from_fn(|g| {
             std::array::from_fn(|row| (0..4).map(|h| second[g][h] * v[h][row]).sum())
         });
-        for (row, pull) in gradient.iter_mut().enumerate() {
-            *pull = (0..4).map(|g| first[g] * v[g][row]).sum();
-        }
-        for (column, into) in tangent.chunks_exact_mut(27).enumerate() {
+        let combined = |into: &mut [f64], [p, q, r, t]: [f64; 4]| {
             for (row, entry) in into.iter_mut().enumerate() {
-                *entry = (0..4).map(|g| follow[g][column] * v[g][row]).sum();
+                *entry = p * v[0][row] + q * v[1][row] + r * v[2][row] + t * v[3][row];
             }
-            let (b, axis) = (column / 3, column % 3);
-            let scaled: [f64; 4] = std::array::from_fn(|g| first[g] * self.slopes[g][b]);
+        };
+        combined(gradient, first);
+        for (column, into) in tangent.chunks_exact_mut(27).enumerate() {
+            combined(into, follow.map(|follow| follow[column]));
+            let scaled: [f64; 4] = std::array::from_fn(|g| first[g] * self.slopes[g][column / 3]);
             for a in 0..9 {
-                into[3 * a + axis] += (0..4).map(|g| scaled[g] * self.slopes[g][a]).sum::<f64>();
+                let along: f64 = (0..4).map(|g| scaled[g] * self.slopes[g][a]).sum();
+                into[3 * a + column % 3] += along;
             }
         }
         Some(energy)

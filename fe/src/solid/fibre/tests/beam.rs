@@ -342,6 +342,23 @@ fn a_slack_thread_bends_all_the_same() {
 }
 
 #[test]
+fn frames_run_along_the_fibre_on_a_tapered_tube() {
+    let mut specimen = specimen(&[winding(60.0, Handedness::Left, 6, DIAMETER)]);
+    specimen.wall_taper = 3.0;
+    for follows in [true, false] {
+        let (grid, fibres) = beams(&specimen, mesh(48, 60, follows));
+        for element in &fibres.elements {
+            let FibreElement::Beam(beam) = element else { continue };
+            let [(a, from), (b, to)] = beam.node_places(&grid.points);
+            let along = fibres.rotations[a] * Vector3::z() + fibres.rotations[b] * Vector3::z();
+            // Second order in the turn over an element, 0.04 rad; without the taper the radius would not grow by 0.03 of the height.
+            let chord = (to - from).normalize();
+            assert!((along.normalize() - chord).norm() < 2e-3, "{along} {chord}");
+        }
+    }
+}
+
+#[test]
 fn a_fibre_without_diameter_is_no_beam() {
     let specimen = specimen(&[winding(30.0, Handedness::Right, 6, 0.0)]);
     let grid = grid(&specimen, mesh(12, 4, true));
