@@ -24,7 +24,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let specimen = Specimen { bulk_ratio: 1e3, ..Specimen::from(&free) };
     let start = Instant::now();
-    let mut solver = SolidSolver::new(
+    let make = if std::env::var("SECTOR").is_ok() { SolidSolver::sector } else { SolidSolver::new };
+    let mut solver = make(
         &specimen,
         SolidMesh {
             radial: std::env::var("RADIAL").map_or(1, |t| t.parse().unwrap()),
@@ -43,6 +44,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     });
     for (p, state) in &states {
         let d = solver.deformation(state);
+        let (cap, turn) = state.cap();
+        println!(
+            "   cap {:.3e} {:.3e} axis {:.3e} {:.3e}",
+            cap.x,
+            cap.y,
+            (turn * nalgebra::Vector3::z()).x,
+            (turn * nalgebra::Vector3::z()).y
+        );
         println!(
             "{:6.1} {:.5} {:.5} {:.5} {:.5} {:.4}..{:.4} {:.4} {:.4}  residual {:.1e}",
             1e-3 * p,

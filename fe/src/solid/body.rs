@@ -5,7 +5,7 @@ use super::{
     fibre::{Block, Fibres, MAX_UNKNOWNS},
     mesh::Grid,
     shape::{NODES, Shape},
-    state::{SolidLoad, SolidState},
+    state::{SolidLoad, SolidState, local_frames},
 };
 use crate::{
     material::Rubber,
@@ -21,18 +21,15 @@ enum Follows {
     Base,
     /// The rigid cap.
     Cap,
-    /// Its own three unknowns.
+    /// Three unknowns: the components of its displacement in its own frame (outwards, around, along). A sector's image has those
+    /// of its master.
     Own(u32),
-    /// The unknowns of its master, turned by one sector.
-    Turned(u32),
 }
 
 /// A pair of an element's nodes whose block of the tangent goes straight to the matrix.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
     nodes: [u8; 2],
-    /// Which of the two are images.
-    turned: [bool; 2],
     place: Place,
 }
 
@@ -80,6 +77,12 @@ pub(super) struct Body {
     face_table: FaceTable,
     /// Turn by one sector.
     sector: Matrix3<f64>,
+    /// Frames of the points' unknowns (columns: outwards, around, along) at the configuration assembled last, and at the one whose
+    /// tangent was. The tangent's components are kept as the frames turn: it stays good while the body turns.
+    frames: Vec<Matrix3<f64>>,
+    tangent_frames: Vec<Matrix3<f64>>,
+    /// Frame of the cap's unknowns: its own while it is free.
+    cap_frame: Matrix3<f64>,
     /// Mass of rubber that moves with each point, kg.
     masses: Vec<f64>,
     /// Area of the bore at the cap, of the part that is meshed, m^2.
@@ -122,10 +125,7 @@ impl Body {
             follows[point] = match (grid.plane(point), grid.master(point)) {
                 (0, _) => Follows::Base,
                 (plane, _) if plane == last_plane => Follows::Cap,
-                (_, Some(master)) => match follows[master] {
-                    Follows::Own(block) => Follows::Turned(block),
-                    other => other,
-                },
+                (_, Some(master)) => follows[master],
                 _ => {
                     own += 1;
                     Follows::Own(own - 1)
@@ -173,7 +173,7 @@ impl Body {
                 .filter_map(|&point| match follows[point as usize] {
                     Follows::Base => None,
                     Follows::Cap => Some(cap_block),
-                    Follows::Own(block) | Follows::Turned(block) => Some(block),
+                    Follows::Own(block) => Some(block),
                 })
                 .collect();
             clique.sort_unstable();
@@ -186,9 +186,8 @@ impl Body {
         beside_cap.dedup();
         let pattern = BlockPattern::new(&sizes, cliques.iter().map(|clique| &clique[..]));
         for element in &mut elements {
-            let unknowns = element.points.map(|point| match follows[point as usize] {
-                Follows::Own(block) => Some((block, false)),
-                Follows::Turned(block) => Some((block, true)),
+            let blocks = element.points.map(|point| match follows[point as usize] {
+                Follows::Own(block) => Some(block),
                 Follows::Base | Follows::Cap => None,
             });
             for a in 0..NODES {
@@ -196,14 +195,10 @@ impl Body {
                     element.on_cap.push(a as u8);
                 }
                 for b in 0..=a {
-                    if let (Some((row, row_turned)), Some((column, column_turned))) =
-                        (unknowns[a], unknowns[b])
-                    {
-                        element.pairs.push(Pair {
-                            nodes: [a as u8, b as u8],
-                            turned: [row_turned, column_turned],
-                            place: pattern.place(row, column),
-                        });
+                    if let (Some(row), Some(column)) = (blocks[a], blocks[b]) {
+                        element
+                            .pairs
+                            .push(Pair { nodes: [a as u8, b as u8], place: pattern.place(row, column) });
                     }
                 }
             }
@@ -219,6 +214,9 @@ impl Body {
             point_condensed: vec![[0.0; 3]; grid.points.len()],
             point_volume: vec![[0.0; 3]; grid.points.len()],
             specimen: specimen.clone(),
+            frames: vec![Matrix3::identity(); follows.len()],
+            tangent_frames: vec![Matrix3::identity(); follows.len()],
+            cap_frame: Matrix3::identity(),
             follows,
             elements,
             fibres,
@@ -280,28 +278,29 @@ impl Body {
                     let arm = Vector3::from(self.grid.points[point]) - top;
                     state.positions[point] = (state.cap + state.cap_rotation * arm).into();
                 }
-                Follows::Turned(_) => {
-                    let master = self.grid.master(point).unwrap_or(point);
-                    state.positions[point] = (self.sector * Vector3::from(state.positions[master])).into();
+                Follows::Own(_) => {
+                    if let Some(master) = self.grid.master(point) {
+                        state.positions[point] =
+                            (self.sector * Vector3::from(state.positions[master])).into();
+                    }
                 }
-                Follows::Own(_) => {}
             }
         }
     }
 
-    /// Displacements of all points for a step of the unknowns, and the cap's.
+    /// Displacements of all points (in space) for a step of the unknowns, and the cap's.
     pub fn displacements(&self, state: &SolidState, step: &[f64]) -> (Vec<[f64; 3]>, [Vector3<f64>; 2]) {
         let at = |first: usize| Vector3::new(step[first], step[first + 1], step[first + 2]);
-        let cap = [at(self.cap_unknown), at(self.cap_unknown + 3)];
+        let cap = [0, 3].map(|half| self.cap_frame * at(self.cap_unknown + half));
         let points = self
             .follows
             .iter()
             .zip(&state.positions)
-            .map(|(follows, place)| match *follows {
+            .zip(&self.frames)
+            .map(|((follows, place), frame)| match *follows {
                 Follows::Base => [0.0; 3],
                 Follows::Cap => (cap[0] + cap[1].cross(&(Vector3::from(*place) - state.cap))).into(),
-                Follows::Own(block) => at(self.pattern.first(block)).into(),
-                Follows::Turned(block) => (self.sector * at(self.pattern.first(block))).into(),
+                Follows::Own(block) => (frame * at(self.pattern.first(block))).into(),
             })
             .collect();
         (points, cap)
@@ -311,6 +310,12 @@ impl Body {
     ///
     /// With their present mismatch of volume, or for an infinitesimal change of an equilibrium without.
     pub fn pressure_steps(&self, displacements: &[[f64; 3]], with_mismatch: bool) -> Vec<[f64; 4]> {
+        // The coupling was taken in the frames of the tangent.
+        let displacements: Vec<[f64; 3]> = displacements
+            .iter()
+            .zip(self.frames.iter().zip(&self.tangent_frames))
+            .map(|(u, (now, then))| (then * now.tr_mul(&Vector3::from(*u))).into())
+            .collect();
         self.elements
             .iter()
             .zip(&self.condensations)
@@ -334,15 +339,21 @@ impl Body {
         for sums in [&mut self.point_forces, &mut self.point_condensed, &mut self.point_volume] {
             sums.fill([0.0; 3]);
         }
+        self.frames = local_frames(&self.grid, &state.positions);
+        let cap_free = load.held == [false; 6];
+        self.cap_frame =
+            if cap_free { *state.cap_rotation.to_rotation_matrix().matrix() } else { Matrix3::identity() };
         if with_tangent {
             self.values.fill(0.0);
+            self.tangent_frames.copy_from_slice(&self.frames);
         }
         let (mut energy, mut volume, mut squares, mut mismatch) = (0.0, 0.0, 0.0, 0.0f64);
         let mut scatter = Scatter {
             values: &mut self.values,
             pattern: &self.pattern,
             follows: &self.follows,
-            sector: self.sector,
+            frames: &self.frames,
+            cap_frame: self.cap_frame,
             cap_block: self.cap_block,
             positions: &state.positions,
             cap: state.cap,
@@ -357,13 +368,13 @@ impl Body {
             energy +=
                 work.evaluate(law, shape, &positions, &state.pressures[index], condensation, with_tangent)?;
             mismatch = mismatch.max(condensation.mismatch[0].abs() / shape.volume());
-            let mut condensed = work.residual;
-            condensation.condense(law, shape, &mut condensed);
+            let mut share = [0.0; UNKNOWNS];
+            condensation.condense(law, shape, &mut share);
             squares += work.residual.iter().map(|value| value * value).sum::<f64>();
             for (a, &point) in element.points.iter().enumerate() {
                 for i in 0..3 {
                     self.point_forces[point as usize][i] += work.residual[i * NODES + a];
-                    self.point_condensed[point as usize][i] += condensed[i * NODES + a];
+                    self.point_condensed[point as usize][i] += share[i * NODES + a];
                 }
             }
             if element.inner {
@@ -405,7 +416,6 @@ impl Body {
                 let &Block::Point(point) = block else { continue };
                 for i in 0..3 {
                     self.point_forces[point as usize][i] += gradient[3 * a + i];
-                    self.point_condensed[point as usize][i] += gradient[3 * a + i];
                 }
                 if !with_tangent {
                     continue;
@@ -444,18 +454,17 @@ impl Body {
         for (point, follows) in self.follows.iter().enumerate() {
             let volume = Vector3::from(self.point_volume[point]);
             let outside = load.pressure * volume + self.masses[point] * load.gravity;
-            let all = [
-                Vector3::from(self.point_forces[point]) - outside,
-                Vector3::from(self.point_condensed[point]) - outside,
-                volume,
-            ];
+            let residual = Vector3::from(self.point_forces[point]) - outside;
+            let frame = &self.frames[point];
+            let share =
+                frame * self.tangent_frames[point].tr_mul(&Vector3::from(self.point_condensed[point]));
+            let all = [residual, residual + share, volume];
             match *follows {
                 Follows::Base => {}
-                Follows::Own(block) | Follows::Turned(block) => {
-                    let turn = matches!(follows, Follows::Turned(_));
+                Follows::Own(block) => {
                     let vectors = [&mut forces.residual, &mut forces.condensed, &mut forces.volume_gradient];
                     for (vector, force) in vectors.into_iter().zip(all) {
-                        let force = if turn { self.sector.tr_mul(&force) } else { force };
+                        let force = frame.tr_mul(&force);
                         for i in 0..3 {
                             vector[self.pattern.first(block) + i] += force[i];
                         }
@@ -483,6 +492,8 @@ impl Body {
         on_cap[2] += cap_volume;
         let vectors = [&mut forces.residual, &mut forces.condensed, &mut forces.volume_gradient];
         for (vector, sum) in vectors.into_iter().zip(on_cap) {
+            let (force, moment) = (sum.fixed_rows::<3>(0), sum.fixed_rows::<3>(3));
+            let sum = joined(self.cap_frame.tr_mul(&force), self.cap_frame.tr_mul(&moment));
             vector[self.cap_unknown..self.cap_unknown + 6].copy_from_slice(sum.as_slice());
         }
         if let Some(mut tangent) = cap_tangent {
@@ -494,6 +505,10 @@ impl Body {
             block += coupled;
             let mut block = tangent.fixed_view_mut::<3, 3>(3, 0);
             block += coupled.transpose();
+            let mut frame = Matrix6::zeros();
+            frame.fixed_view_mut::<3, 3>(0, 0).copy_from(&self.cap_frame);
+            frame.fixed_view_mut::<3, 3>(3, 3).copy_from(&self.cap_frame);
+            let tangent = frame.tr_mul(&tangent) * frame;
             let place = self.pattern.place(self.cap_block, self.cap_block);
             for i in 0..6 {
                 for j in 0..6 {
@@ -506,26 +521,23 @@ impl Body {
     /// Adds dead forces on the cap (force and moment) and gravity to forces on the unknowns.
     pub fn add_dead_loads(&self, [force, moment]: [Vector3<f64>; 2], gravity: Vector3<f64>, on: &mut [f64]) {
         let share = 1.0 / self.grid.sectors as f64;
-        let cap = share * joined(force + self.specimen.cap_mass * gravity, moment);
+        let force = self.cap_frame.tr_mul(&(force + self.specimen.cap_mass * gravity));
+        let cap = share * joined(force, self.cap_frame.tr_mul(&moment));
         for (value, add) in on[self.cap_unknown..].iter_mut().zip(cap.iter()) {
             *value += add;
         }
         if gravity == Vector3::zeros() {
             return;
         }
-        for (follows, mass) in self.follows.iter().zip(&self.masses) {
-            let weight = *mass * gravity;
-            match *follows {
-                Follows::Base => {}
-                Follows::Own(block) | Follows::Turned(block) => {
-                    let turned = matches!(follows, Follows::Turned(_));
-                    let weight = if turned { self.sector.tr_mul(&weight) } else { weight };
-                    for i in 0..3 {
-                        on[self.pattern.first(block) + i] += weight[i];
-                    }
-                }
-                Follows::Cap => (0..3).for_each(|i| on[self.cap_unknown + i] += weight[i]),
-            }
+        for (point, follows) in self.follows.iter().enumerate() {
+            let weight = self.masses[point] * gravity;
+            let (first, weight) = match *follows {
+                Follows::Base => continue,
+                Follows::Own(block) => (self.pattern.first(block), self.frames[point].tr_mul(&weight)),
+                // The moment of the rubber on the cap is left to Newton's method.
+                Follows::Cap => (self.cap_unknown, self.cap_frame.tr_mul(&weight)),
+            };
+            (0..3).for_each(|i| on[first + i] += weight[i]);
         }
     }
 
@@ -561,37 +573,32 @@ struct Scatter<'a> {
     values: &'a mut [f64],
     pattern: &'a BlockPattern,
     follows: &'a [Follows],
-    sector: Matrix3<f64>,
+    frames: &'a [Matrix3<f64>],
+    cap_frame: Matrix3<f64>,
     cap_block: u32,
     positions: &'a [[f64; 3]],
     cap: Vector3<f64>,
+    /// Of the cap with itself, in space.
     cap_tangent: Matrix6<f64>,
 }
 
 impl Scatter<'_> {
     fn add_element(&mut self, element: &Element, work: &Workspace) {
+        let frames = element.points.map(|point| self.frames[point as usize]);
         for pair in &element.pairs {
             let [a, b] = pair.nodes.map(usize::from);
-            let mut block = Matrix3::from_fn(|i, k| work.entry(a, i, b, k));
-            if pair.turned[0] {
-                block = self.sector.tr_mul(&block);
-            }
-            if pair.turned[1] {
-                block *= self.sector;
-            }
-            for i in 0..3 {
-                for k in 0..3 {
+            let block = frames[a].tr_mul(&work.block(a, b)) * frames[b];
+            for k in 0..3 {
+                for i in 0..3 {
                     self.values[pair.place.index(i, k)] += block[(i, k)];
                 }
             }
         }
         for &a in &element.on_cap {
             for b in 0..NODES as u8 {
-                let both = element.on_cap.contains(&b);
-                if !both || b <= a {
+                if b <= a || !element.on_cap.contains(&b) {
                     let [a, b] = [a, b].map(usize::from);
-                    let block = Matrix3::from_fn(|i, k| work.entry(a, i, b, k));
-                    self.add([element.points[a], element.points[b]], &block);
+                    self.add([element.points[a], element.points[b]], &work.block(a, b));
                 }
             }
         }
@@ -605,32 +612,31 @@ impl Scatter<'_> {
         lever
     }
 
-    /// Adds the block between two points and, where they differ, its transpose between them the other way round.
+    /// Adds the block between two points (in space) and, where they differ, its transpose between them the other way round.
     fn add(&mut self, [p, q]: [u32; 2], block: &Matrix3<f64>) {
-        let turned = |follows: Follows| matches!(follows, Follows::Turned(_));
         match (self.follows[p as usize], self.follows[q as usize]) {
             (Follows::Base, _) | (_, Follows::Base) => {}
             (Follows::Cap, Follows::Cap) => {
                 let sum = self.lever(p).tr_mul(block) * self.lever(q);
                 self.cap_tangent += if p == q { sum } else { sum + sum.transpose() };
             }
-            (Follows::Cap, column @ (Follows::Own(b) | Follows::Turned(b))) => {
-                let block = if turned(column) { block * self.sector } else { *block };
-                let block = self.lever(p).tr_mul(&block);
+            (Follows::Cap, Follows::Own(b)) => {
+                let block = self.lever(p).tr_mul(&(block * self.frames[q as usize]));
                 let place = self.pattern.place(self.cap_block, b);
-                for i in 0..6 {
-                    for k in 0..3 {
-                        self.values[place.index(i, k)] += block[(i, k)];
+                for (half, rows) in
+                    [0, 3].into_iter().zip([block.fixed_rows::<3>(0), block.fixed_rows::<3>(3)])
+                {
+                    let rows = self.cap_frame.tr_mul(&rows);
+                    for i in 0..3 {
+                        for k in 0..3 {
+                            self.values[place.index(half + i, k)] += rows[(i, k)];
+                        }
                     }
                 }
             }
-            (Follows::Own(_) | Follows::Turned(_), Follows::Cap) => self.add([q, p], &block.transpose()),
-            (
-                row @ (Follows::Own(a) | Follows::Turned(a)),
-                column @ (Follows::Own(b) | Follows::Turned(b)),
-            ) => {
-                let block = if turned(row) { self.sector.tr_mul(block) } else { *block };
-                let block = if turned(column) { block * self.sector } else { block };
+            (Follows::Own(_), Follows::Cap) => self.add([q, p], &block.transpose()),
+            (Follows::Own(a), Follows::Own(b)) => {
+                let block = self.frames[p as usize].tr_mul(block) * self.frames[q as usize];
                 let place = self.pattern.place(a, b);
                 for i in 0..3 {
                     for k in 0..3 {

@@ -262,10 +262,21 @@ impl Workspace {
         }
     }
 
-    /// Entry of the condensed tangent between node `a` in direction `i` and node `b` in direction `k`.
-    pub fn entry(&self, a: usize, i: usize, b: usize, k: usize) -> f64 {
-        const PAIR: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
-        let (row, column) = if i <= k { (a, b) } else { (b, a) };
-        self.tangent[(PAIR[i][k] * NODES + column) * NODES + row]
+    /// Block of the condensed tangent between nodes `a` and `b`.
+    pub fn block(&self, a: usize, b: usize) -> Matrix3<f64> {
+        const SIZE: usize = NODES * NODES;
+        let (ab, ba) = (b * NODES + a, a * NODES + b);
+        let at = |pair: usize, entry: usize| self.tangent[pair * SIZE + entry];
+        Matrix3::new(
+            at(0, ab),
+            at(1, ab),
+            at(2, ab),
+            at(1, ba),
+            at(3, ab),
+            at(4, ab),
+            at(2, ba),
+            at(4, ba),
+            at(5, ab),
+        )
     }
 }

@@ -12,7 +12,9 @@ const TOLERANCE: f64 = 1e-9;
 /// Newton steps to one state.
 const STEPS: usize = 25;
 /// Steps with an old factorisation go on while each leaves at most this share of the error.
-const CHORD_SHARE: f64 = 0.25;
+const CHORD_SHARE: f64 = 0.3;
+/// A step may let the residual grow so much before it is shortened: the fibres answer to its curvature, and the next step corrects that.
+const GROWTH: f64 = 20.0;
 
 /// What is prescribed beside the load.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +61,22 @@ impl SolidSolver {
     /// [`SolidError::Invalid`] or [`SolidError::Degenerate`] where specimen or mesh make no sense.
     pub fn new(specimen: &Specimen, mesh: SolidMesh) -> Result<Self, SolidError> {
         Self::of(Body::new(specimen, mesh, 1)?)
+    }
+
+    /// One of the equal sectors of a specimen that a turn by a fibre's pitch carries into itself, under loads that do the same (pressure,
+    /// force and moment along the axis, gravity along it): the same equilibria as the whole, as long as they keep the symmetry. It
+    /// has one unknown in as many as there are fibres, and cannot bend.
+    ///
+    /// # Errors
+    /// [`SolidError::Invalid`] where the specimen has no such symmetry; else as [`SolidSolver::new`].
+    pub fn sector(specimen: &Specimen, mesh: SolidMesh) -> Result<Self, SolidError> {
+        let sectors = specimen.cyclic_order().filter(|&order| order > 1 && mesh.follows_fibres);
+        let sectors = sectors.ok_or(SolidError::Invalid {
+            field: "the number of equal sectors",
+            value: 1.0,
+            requirement: "a sector is for an even tube with one family of at least two fibres that the mesh follows",
+        })?;
+        Self::of(Body::new(specimen, mesh, sectors)?)
     }
 
     fn of(body: Body) -> Result<Self, SolidError> {
@@ -191,9 +209,7 @@ impl SolidSolver {
         let mut state = guess;
         let mut total = Motion::none(&state, self.body.grid.lines[2]);
         let held = state.load.held;
-        let cap = self.body.cap_unknown;
         let mut error = self.assemble(&state, false)?;
-        let mut fresh = false;
         let mut renew = true;
         for _ in 0..STEPS {
             let volume_gap = match control {
@@ -209,40 +225,14 @@ impl SolidSolver {
             if renew {
                 self.assemble(&state, true)?;
                 self.factorise(held)?;
-                fresh = true;
             }
-            let mut right: Vec<f64> = self.forces.condensed.iter().map(|force| -force).collect();
-            let columns = match control {
-                Control::Pressure => 1,
-                Control::Volume(_) => {
-                    right.extend(&self.forces.volume_gradient);
-                    2
-                }
-            };
-            let dimension = self.unknowns();
-            for column in 0..columns {
-                for direction in (0..6).filter(|&direction| held[direction]) {
-                    right[column * dimension + cap + direction] = 0.0;
-                }
-            }
-            self.substitute(&mut right);
+            let (step, pressure_step) = self.step(&state, control, volume_gap);
             self.cost.iterations += 1;
-            let mut pressure_step = 0.0;
-            if let Control::Volume(_) = control {
-                let along = |step: &[f64]| -> f64 {
-                    self.forces.volume_gradient.iter().zip(step).map(|(a, b)| a * b).sum()
-                };
-                let (step, slope) = right.split_at_mut(dimension);
-                pressure_step = (volume_gap - along(step)) / along(slope);
-                for (step, slope) in step.iter_mut().zip(slope) {
-                    *step += pressure_step * *slope;
-                }
-                right.truncate(dimension);
-            }
-            let step = self.motion(&state, &right, true);
+            // An old factorisation is worth one try.
+            let tries = if renew { 6 } else { 1 };
             let mut share = 1.0;
             let mut best: Option<(f64, SolidState, f64)> = None;
-            for _ in 0..6 {
+            for _ in 0..tries {
                 let mut motion = Motion::none(&state, self.body.grid.lines[2]);
                 motion.add(share, &step);
                 let mut trial = self.moved(&state, &motion);
@@ -254,24 +244,60 @@ impl SolidSolver {
                 }
                 match &best {
                     // Far from equilibrium the residual may grow by the curvature of the step and still be on its way.
-                    Some((found, ..)) if *found < 20.0 * error.max(1e-4) => break,
+                    Some((found, ..)) if *found < GROWTH * error.max(1e-4) => break,
                     _ => share *= 0.5,
                 }
             }
-            let Some((found, next, share)) = best else { return Err(Lost(f64::NAN)) };
-            if share < 1.0 {
-                // The last trial assembled need not be the best one.
-                self.assemble(&next, false)?;
+            if std::env::var("DBG").is_ok() {
+                eprintln!(
+                    "   {:?} p {:.3} error {error:.2e} renew {renew} -> {:?}",
+                    self.inertia.map(|i| i.negative),
+                    1e-3 * state.load.pressure,
+                    best.as_ref().map(|b| (b.0, b.2))
+                );
             }
-            total.add(share, &step);
-            state = next;
-            renew = found > CHORD_SHARE * error || (fresh && found > 1e-2);
-            fresh = false;
-            error = found;
-            if !error.is_finite() || error > 1e6 {
-                return Err(Lost(error));
+            match best {
+                Some((found, next, share)) if renew || found < CHORD_SHARE * error => {
+                    if share < 1.0 {
+                        // The last trial assembled need not be the best one.
+                        self.assemble(&next, false)?;
+                    }
+                    total.add(share, &step);
+                    state = next;
+                    renew = false;
+                    error = found;
+                }
+                None if renew => return Err(Lost(f64::NAN)),
+                _ => renew = true,
             }
         }
         Err(Lost(error))
+    }
+
+    /// Newton's step from the state assembled last, with the factorisation there is; and the pressure's under volume control.
+    fn step(&mut self, state: &SolidState, control: Control, volume_gap: f64) -> (Motion, f64) {
+        let mut right: Vec<f64> = self.forces.condensed.iter().map(|force| -force).collect();
+        let dimension = right.len();
+        if let Control::Volume(_) = control {
+            right.extend(&self.forces.volume_gradient);
+        }
+        for column in right.chunks_exact_mut(dimension) {
+            for direction in (0..6).filter(|&direction| state.load.held[direction]) {
+                column[self.body.cap_unknown + direction] = 0.0;
+            }
+        }
+        self.substitute(&mut right);
+        let mut pressure_step = 0.0;
+        if let Control::Volume(_) = control {
+            let along = |step: &[f64]| -> f64 {
+                self.forces.volume_gradient.iter().zip(step).map(|(a, b)| a * b).sum()
+            };
+            let (step, slope) = right.split_at_mut(dimension);
+            pressure_step = (volume_gap - along(step)) / along(slope);
+            for (step, slope) in step.iter_mut().zip(slope) {
+                *step += pressure_step * *slope;
+            }
+        }
+        (self.motion(state, &right[..dimension], true), pressure_step)
     }
 }

@@ -61,7 +61,9 @@ impl SolidSolver {
         load_at: &dyn Fn(f64) -> SolidLoad,
         found: &mut dyn FnMut(f64, &SolidState) -> bool,
     ) -> Result<SolidState, SolidError> {
-        self.walk(start, from, stops, &Parameter::Load(load_at), found)
+        let sectors = self.body.grid.sectors;
+        let load_at = move |at| load_at(at).on_sectors(sectors);
+        self.walk(start, from, stops, &Parameter::Load(&load_at), found)
     }
 
     /// Follows equilibria from `start` at prescribed enclosed volumes, m^3 of the whole tube: past limit points of the pressure.
@@ -77,6 +79,7 @@ impl SolidSolver {
         let sectors = self.body.grid.sectors as f64;
         let stops: Vec<f64> = volumes.iter().map(|volume| volume / sectors).collect();
         let mut start = start.clone();
+        start.load = start.load.on_sectors(self.body.grid.sectors);
         self.assemble(&start, false).map_err(|lost| self.lost(&start, lost, "the start"))?;
         start.volume = self.forces.volume;
         let from = start.volume;
@@ -93,14 +96,13 @@ impl SolidSolver {
         }
     }
 
-    /// First-order motion per parameter at an equilibrium, by the tangent there or, if it is not to be made, the one factorised last.
+    /// First-order motion per parameter at an equilibrium.
     fn slope(
         &mut self,
         state: &SolidState,
         at: f64,
         towards: f64,
         parameter: &Parameter<'_>,
-        renew: bool,
     ) -> Result<(Motion, f64), Lost> {
         let held = state.load.held;
         let (rates, span) = match parameter {
@@ -118,13 +120,12 @@ impl SolidSolver {
             std::array::from_fn(|direction| if held[direction] { all[direction] } else { 0.0 })
         };
         let mut moved = None;
-        if renew || moving != [0.0; 6] {
-            self.assemble(state, true)?;
-            if moving != [0.0; 6] {
-                moved = Some(self.tangent_times_cap(&moving));
-            }
-            self.factorise(held)?;
+        // The tangent at the state itself: one from a step before, good for Newton's method, is too rough for an extrapolation.
+        self.assemble(state, true)?;
+        if moving != [0.0; 6] {
+            moved = Some(self.tangent_times_cap(&moving));
         }
+        self.factorise(held)?;
         let held_motion = moved.as_ref().map(|forces| (&moving, &forces[..]));
         match parameter {
             Parameter::Load(_) => {
@@ -166,7 +167,7 @@ impl SolidSolver {
                 let remaining = stop - at;
                 if passed.last().is_none_or(|last| last.onwards.is_some()) {
                     let (slope, pressure_slope) = self
-                        .slope(&state, at, stop, parameter, passed.is_empty())
+                        .slope(&state, at, stop, parameter)
                         .map_err(|lost| self.lost(&state, lost, "the start"))?;
                     let pressure = state.load.pressure;
                     passed.push(Passed { at, pressure, onwards: None, slope, pressure_slope });

@@ -1,5 +1,5 @@
 use super::mesh::Grid;
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 /// What acts on a solid, in the base frame. Its base is clamped; the tip's cap is rigid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +39,16 @@ impl SolidLoad {
     /// Pressure alone, the cap free.
     pub fn pressure(pressure: f64) -> Self {
         SolidLoad { pressure, ..Self::default() }
+    }
+
+    /// One sector of several keeps the axis: the cap may move and turn along it only.
+    pub(super) fn on_sectors(mut self, sectors: usize) -> Self {
+        if sectors > 1 {
+            for direction in [0, 1, 3, 4] {
+                self.held[direction] = true;
+            }
+        }
+        self
     }
 }
 
@@ -179,6 +189,18 @@ fn local_frame(
     let radius = outward.norm();
     let outward = outward / radius;
     ([outward, normal.cross(&outward)], radius, height)
+}
+
+/// Frame of each point (columns: away from its plane's middle, around it, along the plane's normal). It turns with the body.
+pub(super) fn local_frames(grid: &Grid, positions: &[[f64; 3]]) -> Vec<Matrix3<f64>> {
+    let planes = Planes::new(grid, positions);
+    let each = grid.lines[0] * grid.lines[1];
+    let frame = |(point, at): (usize, &[f64; 3])| {
+        let normal = planes.normals[point / each];
+        let ([outward, around], ..) = local_frame(Vector3::from(*at), planes.middles[point / each], normal);
+        Matrix3::from_columns(&[outward, around, normal])
+    };
+    positions.iter().enumerate().map(frame).collect()
 }
 
 /// The motion of which `displacements` of the points are the first order. Pressures, rotations and cap are left at zero.
