@@ -1,4 +1,4 @@
-use super::{Answer, Hyperelastic, Tangent, flat};
+use super::{Answer, Hyperelastic, Tangent, eigen::symmetric_eigen, flat};
 use actuator::{OgdenForm, OgdenTerm, OgdenTerms};
 use nalgebra::{Matrix3, SVector, Vector3};
 
@@ -50,8 +50,7 @@ impl Ogden {
         // With C = F^T F = sum of c_a N_a N_a: S = 2 dW/dC = sum of s_a N_a N_a. In the frame of the N_a, dS_aa = sum of
         // M_ab dC_bb with M the derivatives of s by c, and dS_ab = D_ab dC_ab with D_ab the divided difference of s between c_a
         // and c_b: no case of equal stretches is special, and any frame of equal ones serves.
-        let eigen = f.tr_mul(f).symmetric_eigen();
-        let (c, n) = (eigen.eigenvalues, eigen.eigenvectors);
+        let (c, n) = symmetric_eigen(&f.tr_mul(f));
         if c.min().is_nan() || c.min() <= 0.0 {
             return Answer::NAN;
         }

@@ -77,6 +77,7 @@ pub(crate) struct Workspace {
     stresses: Vec<f64>,
     products: Vec<f64>,
     weighted: Vec<f64>,
+    arch: pulp::Arch,
 }
 
 impl Default for Workspace {
@@ -88,6 +89,7 @@ impl Default for Workspace {
             stresses: vec![0.0; 3 * SLOPES],
             products: vec![0.0; SLOPES * NODES * PAIRS.len()],
             weighted: vec![0.0; PRESSURES * UNKNOWNS],
+            arch: pulp::Arch::new(),
         }
     }
 }
@@ -95,6 +97,27 @@ impl Default for Workspace {
 /// An element is turned inside out, or its material has no answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Inverted;
+
+/// The evaluation of an element, compiled for the vector instructions of the processor it runs on.
+struct Evaluation<'a> {
+    work: &'a mut Workspace,
+    law: &'a ElementLaw,
+    shape: &'a Shape,
+    positions: &'a [f64; UNKNOWNS],
+    q: &'a [f64; PRESSURES],
+    condensation: &'a mut Condensation,
+    with_tangent: bool,
+}
+
+impl pulp::WithSimd for Evaluation<'_> {
+    type Output = Result<f64, Inverted>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        let Evaluation { work, law, shape, positions, q, condensation, with_tangent } = self;
+        work.evaluate_here(law, shape, positions, q, condensation, with_tangent)
+    }
+}
 
 /// Cofactor H = J F^-T and J.
 fn cofactor(f: &Matrix3<f64>) -> (Matrix3<f64>, f64) {
@@ -152,6 +175,20 @@ impl Workspace {
     /// Energy, residual and, if asked for, the condensed tangent of an element with its nodes at `positions` (m, by direction
     /// and node) and the pressure `q` (Pa).
     pub fn evaluate(
+        &mut self,
+        law: &ElementLaw,
+        shape: &Shape,
+        positions: &[f64; UNKNOWNS],
+        q: &[f64; PRESSURES],
+        condensation: &mut Condensation,
+        with_tangent: bool,
+    ) -> Result<f64, Inverted> {
+        let arch = self.arch;
+        arch.dispatch(Evaluation { work: self, law, shape, positions, q, condensation, with_tangent })
+    }
+
+    #[inline(always)]
+    fn evaluate_here(
         &mut self,
         law: &ElementLaw,
         shape: &Shape,
@@ -228,6 +265,7 @@ impl Workspace {
         Ok(energy)
     }
 
+    #[inline(always)]
     /// Multiplies the products with the slopes and adds the condensed pressure: `kappa (dr_q/dx)^T M^-1 (dr_q/dx)`.
     fn tangent(&mut self, law: &ElementLaw, shape: &Shape, condensation: &Condensation) {
         let columns = NODES * PAIRS.len();

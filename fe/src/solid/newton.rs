@@ -248,14 +248,6 @@ impl SolidSolver {
                     _ => share *= 0.5,
                 }
             }
-            if std::env::var("DBG").is_ok() {
-                eprintln!(
-                    "   {:?} p {:.3} error {error:.2e} renew {renew} -> {:?}",
-                    self.inertia.map(|i| i.negative),
-                    1e-3 * state.load.pressure,
-                    best.as_ref().map(|b| (b.0, b.2))
-                );
-            }
             match best {
                 Some((found, next, share)) if renew || found < CHORD_SHARE * error => {
                     if share < 1.0 {
