@@ -25,4 +25,5 @@ pub use section::{SectionError, SectionLoad, SectionMesh, SectionSolver, Whereab
 pub use section_law::{SectionLaw, SectionResponse};
 pub use solid::{
     Coat, Deformation, SolidCost, SolidError, SolidLoad, SolidMesh, SolidSolver, SolidState, Specimen,
+    StrainAt, Strains, write_pvd,
 };

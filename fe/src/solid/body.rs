@@ -253,6 +253,17 @@ impl Body {
         area
     }
 
+    /// Points, undeformed shape and rubber of an element.
+    pub fn element(&self, index: usize) -> (&[u32; NODES], &Shape, &ElementLaw) {
+        let Element { points, shape, law, .. } = &self.elements[index];
+        (points, &self.shapes[*shape as usize], &self.laws[*law as usize])
+    }
+
+    /// Turn by one sector.
+    pub fn sector(&self) -> &Matrix3<f64> {
+        &self.sector
+    }
+
     /// The undeformed body.
     pub fn rest(&self) -> SolidState {
         SolidState {

@@ -16,6 +16,11 @@ mod path;
 mod shape;
 mod specimen;
 mod state;
+mod vtk_xml;
+mod vtu;
+#[cfg(test)]
+mod vtu_tests;
+mod wall;
 
 pub use deformation::Deformation;
 pub use error::SolidError;
@@ -23,3 +28,5 @@ pub use mesh::SolidMesh;
 pub use newton::{SolidCost, SolidSolver};
 pub use specimen::{Coat, Specimen};
 pub use state::{SolidLoad, SolidState};
+pub use vtk_xml::write_pvd;
+pub use wall::{StrainAt, Strains};
