@@ -10,6 +10,8 @@ mod identify_report;
 mod interrupt;
 mod map_csv;
 mod map_file;
+mod material_csv;
+mod material_report;
 mod output;
 mod plot;
 mod pressures_csv;

@@ -6,6 +6,7 @@ mod identify;
 mod import;
 mod inspect;
 mod map;
+mod material;
 mod merge;
 mod predict;
 mod replay;
@@ -28,6 +29,7 @@ pub enum Command {
     Replay(replay::Replay),
     Import(import::Import),
     Identify(identify::Identify),
+    Material(material::Material),
 }
 
 impl Command {
@@ -45,6 +47,7 @@ impl Command {
             Command::Replay(replay) => replay.run(json),
             Command::Import(import) => import.run(json),
             Command::Identify(identify) => identify.run(json),
+            Command::Material(material) => material.run(json),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Hyperelastic energies of rubbers: one file each, one test list for all.
 
 mod arruda_boyce;
+pub mod calibration;
 mod eigen;
 mod gent;
 mod invariants;
