@@ -5,7 +5,7 @@ use super::{
     fibre::{Block, Fibres, MAX_UNKNOWNS},
     mesh::Grid,
     shape::{NODES, Shape},
-    state::{SolidLoad, SolidState, local_frames},
+    state::{SolidLoad, SolidState, set_local_frames},
 };
 use crate::{
     material::Rubber,
@@ -264,6 +264,21 @@ impl Body {
         &self.sector
     }
 
+    /// The blocks of unknowns line by line along the tube: from there minimum degree finds better orders on finer meshes.
+    pub fn order_by_lines(&self) -> Vec<u32> {
+        let [ni, nj, nk] = self.grid.lines;
+        let mut order = vec![];
+        for line in 0..ni * nj {
+            order.extend((0..nk).filter_map(|k| match self.follows[k * ni * nj + line] {
+                Follows::Own(block) if self.grid.master(k * ni * nj + line).is_none() => Some(block),
+                _ => None,
+            }));
+        }
+        let blocks = self.pattern.blocks() as u32;
+        order.extend(order.len() as u32..blocks);
+        order
+    }
+
     /// The undeformed body.
     pub fn rest(&self) -> SolidState {
         SolidState {
@@ -350,7 +365,7 @@ impl Body {
         for sums in [&mut self.point_forces, &mut self.point_condensed, &mut self.point_volume] {
             sums.fill([0.0; 3]);
         }
-        self.frames = local_frames(&self.grid, &state.positions);
+        set_local_frames(&self.grid, &state.positions, &mut self.frames);
         let cap_free = load.held == [false; 6];
         self.cap_frame =
             if cap_free { *state.cap_rotation.to_rotation_matrix().matrix() } else { Matrix3::identity() };

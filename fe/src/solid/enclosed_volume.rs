@@ -11,6 +11,11 @@ pub(crate) struct FaceTable {
 }
 
 impl FaceTable {
+    /// Functions, their derivatives and the weight at integration point `g`.
+    pub fn at(&self, g: usize) -> (&[f64; FACE], &[[f64; FACE]; 2], f64) {
+        (&self.values[g], &self.slopes[g], self.weights[g])
+    }
+
     pub fn new() -> Self {
         let points = |g: usize| [GAUSS[g % 3], GAUSS[g / 3]];
         let tables = |g: usize| points(g).map(|(at, _)| quadratic(at));
@@ -31,7 +36,7 @@ impl FaceTable {
     }
 }
 
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
@@ -58,8 +63,7 @@ impl FaceVolume {
         let mut face =
             FaceVolume { volume: 0.0, gradient: [[0.0; 3]; FACE], tangent: [[[0.0; 3]; FACE]; FACE] };
         for g in 0..FACE {
-            let values = &table.values[g];
-            let [by_u, by_v] = &table.slopes[g];
+            let (values, [by_u, by_v], weight) = table.at(g);
             let at = |weights: &[f64; FACE]| -> [f64; 3] {
                 let mut sum = [0.0; 3];
                 for (weight, node) in weights.iter().zip(nodes) {
@@ -68,7 +72,7 @@ impl FaceVolume {
                 sum
             };
             let (x, x_u, x_v) = (at(values), at(by_u), at(by_v));
-            let third = table.weights[g] / 3.0;
+            let third = weight / 3.0;
             let (normal, after, before) = (cross(x_u, x_v), cross(x_v, x), cross(x, x_u));
             face.volume += third * dot(x, normal);
             for a in 0..FACE {

@@ -9,6 +9,7 @@ mod element;
 mod element_tests;
 mod enclosed_volume;
 mod error;
+mod face_pressure;
 mod fibre;
 mod mesh;
 mod newton;

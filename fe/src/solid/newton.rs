@@ -80,7 +80,7 @@ impl SolidSolver {
     }
 
     fn of(body: Body) -> Result<Self, SolidError> {
-        let factorisation = Factorisation::new(&body.pattern, &[]);
+        let factorisation = Factorisation::new(&body.pattern, &[&body.order_by_lines()]);
         Ok(SolidSolver {
             body,
             factorisation,

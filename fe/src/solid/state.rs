@@ -191,16 +191,15 @@ fn local_frame(
     ([outward, normal.cross(&outward)], radius, height)
 }
 
-/// Frame of each point (columns: away from its plane's middle, around it, along the plane's normal). It turns with the body.
-pub(super) fn local_frames(grid: &Grid, positions: &[[f64; 3]]) -> Vec<Matrix3<f64>> {
+/// Sets the frame of each point (columns: away from its plane's middle, around it, along the plane's normal). It turns with the body.
+pub(super) fn set_local_frames(grid: &Grid, positions: &[[f64; 3]], frames: &mut [Matrix3<f64>]) {
     let planes = Planes::new(grid, positions);
     let each = grid.lines[0] * grid.lines[1];
-    let frame = |(point, at): (usize, &[f64; 3])| {
+    for (point, (at, frame)) in positions.iter().zip(frames).enumerate() {
         let normal = planes.normals[point / each];
         let ([outward, around], ..) = local_frame(Vector3::from(*at), planes.middles[point / each], normal);
-        Matrix3::from_columns(&[outward, around, normal])
-    };
-    positions.iter().enumerate().map(frame).collect()
+        *frame = Matrix3::from_columns(&[outward, around, normal]);
+    }
 }
 
 /// The motion of which `displacements` of the points are the first order. Pressures, rotations and cap are left at zero.
