@@ -132,6 +132,15 @@ impl Grid {
         let tube = specimen.tube;
         let outer = tube.outer_radius();
         let turn = if mesh.follows_fibres { specimen.turn_per_length() } else { 0.0 };
+        // Three points of a helix that turns by more than a half circle pass for another helix.
+        let along = (turn * tube.length).abs() / mesh.along as f64;
+        if along > 0.5 * TAU {
+            return Err(SolidError::Invalid {
+                field: "the turn (rad) of the mesh's lines around the tube in one element along it",
+                value: along,
+                requirement: "it must be at most pi: use more elements along, or a mesh that does not follow the fibres",
+            });
+        }
         let edges = match specimen.windings.first() {
             Some(winding) if mesh.follows_fibres => {
                 let pitch = TAU / pitches as f64;

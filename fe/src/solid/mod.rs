@@ -22,6 +22,8 @@ mod vtu;
 #[cfg(test)]
 mod vtu_tests;
 mod wall;
+#[cfg(test)]
+mod tests;
 
 pub use deformation::Deformation;
 pub use error::SolidError;
