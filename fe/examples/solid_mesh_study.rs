@@ -59,7 +59,8 @@ const MESHES: [(f64, &[[usize; 4]]); 2] = [
             [1, 24, 1, 28],
             [2, 24, 1, 28],
             [2, 24, 1, 40],
-            [2, 24, 2, 40],
+            [2, 24, 1, 56],
+            [3, 36, 2, 56],
         ],
     ),
     (
@@ -73,7 +74,8 @@ const MESHES: [(f64, &[[usize; 4]]); 2] = [
             [1, 24, 1, 18],
             [2, 24, 1, 18],
             [2, 24, 1, 28],
-            [2, 24, 2, 28],
+            [2, 24, 1, 40],
+            [3, 36, 2, 56],
         ],
     ),
 ];
@@ -89,7 +91,7 @@ fn study(length: f64) -> Result<(), SolidError> {
         );
         let mut rows = vec![];
         for &[radial, around, under_fibre, along] in meshes {
-            let along = (along as f64 * length / 0.04).ceil() as usize;
+            let along = (along as f64 * length / 0.04).round() as usize;
             let mesh = SolidMesh { radial, under_fibre, ..SolidMesh::new(around, along) };
             let outcome = solve(&specimen(angle, length, 644.0), mesh, &[10.0, 20.0, 30.0])?;
             rows.push((mesh, outcome));

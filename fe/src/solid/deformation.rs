@@ -12,7 +12,7 @@ pub struct Deformation {
     pub twist_total: f64,
     /// Twist per reference length of the middle, rad/m.
     pub twist_mid: f64,
-    /// Mean radius of the bore in the middle over its reference.
+    /// Radius of the bore of equal area in the middle over its reference.
     pub bore_mid: f64,
     /// Outer radius of equal area in the middle over its reference: b/B.
     pub expansion_mid: f64,
@@ -63,23 +63,22 @@ impl SolidSolver {
             (0..nk).find(|&k| height(k) >= 0.6 * tube.length * (1.0 - 1e-9)).unwrap_or(nk - 1),
         );
         let span = height(high) - height(low);
-        let [mut bore, mut area, mut reference_area, mut count] = [0.0; 4];
+        let [mut bore, mut reference_bore, mut area, mut reference_area] = [0.0; 4];
         let mut range = [f64::INFINITY, 0.0f64];
         for (k, center) in middles.iter().enumerate().take(high + 1).skip(low) {
             for j in 0..own {
-                let [x, y] = arm(&state.positions, *center, 0, j, k);
-                bore += x.hypot(y);
                 let [x, y] = arm(&state.positions, *center, ni - 1, j, k);
                 range = [range[0].min(x.hypot(y)), range[1].max(x.hypot(y))];
-                count += 1.0;
             }
             for element in 0..grid.elements[1] {
-                let line = |positions: &[[f64; 3]], center: Vector3<f64>| {
-                    let ends = [0, 1, 2].map(|n| arm(positions, center, ni - 1, 2 * element + n, k));
-                    area_under(ends)
+                // Points crowd under the fibres, in the valleys: a mean over points would say too little.
+                let line = |positions: &[[f64; 3]], center: Vector3<f64>, i: usize| {
+                    area_under([0, 1, 2].map(|n| arm(positions, center, i, 2 * element + n, k)))
                 };
-                area += line(&state.positions, *center);
-                reference_area += line(&grid.points, Vector3::zeros());
+                bore += line(&state.positions, *center, 0);
+                reference_bore += line(&grid.points, Vector3::zeros(), 0);
+                area += line(&state.positions, *center, ni - 1);
+                reference_area += line(&grid.points, Vector3::zeros(), ni - 1);
             }
         }
         let outer = tube.outer_radius() + self.body.specimen.coat.map_or(0.0, |coat| coat.thickness);
@@ -88,7 +87,7 @@ impl SolidSolver {
             stretch_mid: (middles[high].z - middles[low].z) / span,
             twist_total: turns.iter().sum::<f64>() / tube.length,
             twist_mid: turns[low..high].iter().sum::<f64>() / span,
-            bore_mid: bore / count / tube.inner_radius,
+            bore_mid: (bore / reference_bore).sqrt(),
             expansion_mid: (area / reference_area).sqrt(),
             outer_range_mid: range.map(|radius| radius / outer),
         }

@@ -17,13 +17,13 @@ mod path;
 mod shape;
 mod specimen;
 mod state;
+#[cfg(test)]
+mod tests;
 mod vtk_xml;
 mod vtu;
 #[cfg(test)]
 mod vtu_tests;
 mod wall;
-#[cfg(test)]
-mod tests;
 
 pub use deformation::Deformation;
 pub use error::SolidError;

@@ -361,7 +361,7 @@ fn frames_run_along_the_fibre_on_a_tapered_tube() {
 #[test]
 fn a_fibre_without_diameter_is_no_beam() {
     let specimen = specimen(&[winding(30.0, Handedness::Right, 6, 0.0)]);
-    let grid = grid(&specimen, mesh(12, 4, true));
+    let grid = grid(&specimen, mesh(12, 6, true));
     assert!(Fibres::beams(&specimen, &grid).unwrap_err().to_string().contains("bending stiffness"));
     let frame = Rotation3::from(super::super::beam::helix_frame([0.0, 2.0, 0.0], 0.5, 0.0));
     // Outwards is y; the fibre runs towards -x and z alike.
