@@ -24,6 +24,7 @@ pub use run::{Run, Shard};
 pub use section::{SectionError, SectionLoad, SectionMesh, SectionSolver, Whereabouts};
 pub use section_law::{SectionLaw, SectionResponse};
 pub use solid::{
-    Coat, Deformation, SolidCost, SolidError, SolidLoad, SolidMesh, SolidSolver, SolidState, Specimen,
+    Branches, Coat, CriticalKind, CriticalPoint, Deformation, FibreModel, PressureLimit, SolidCost,
+    SolidError, SolidLoad, SolidMesh, SolidMode, SolidPath, SolidSolver, SolidState, Specimen, Stability,
     StrainAt, Strains, write_pvd,
 };

@@ -16,7 +16,7 @@ use std::{collections::HashMap, f64::consts::TAU};
 
 /// What a point follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Follows {
+pub(super) enum Follows {
     /// The clamped base.
     Base,
     /// The rigid cap.
@@ -69,7 +69,9 @@ pub(super) struct Body {
     pub pattern: BlockPattern,
     /// First scalar unknown of the cap's six.
     pub cap_unknown: usize,
-    follows: Vec<Follows>,
+    pub(super) follows: Vec<Follows>,
+    /// What the frames of the beams' nodes follow.
+    pub(super) turns: Vec<Follows>,
     elements: Vec<Element>,
     pub fibres: Fibres,
     shapes: Vec<Shape>,
@@ -96,6 +98,8 @@ pub(super) struct Body {
     point_forces: Vec<[f64; 3]>,
     point_condensed: Vec<[f64; 3]>,
     point_volume: Vec<[f64; 3]>,
+    /// Moments on the frames of the beams' nodes, each in its own frame.
+    node_moments: Vec<[f64; 3]>,
 }
 
 /// The element's nodes in its own frame: turned back about the tube's axis and shifted to its first node's height.
@@ -132,6 +136,17 @@ impl Body {
                 }
             };
         }
+        let fibres = specimen.fibres(&grid)?;
+        // A fibre's ends are held by the caps.
+        let mut turns = vec![Follows::Own(0); fibres.rotations.len()];
+        for [base, tip] in &fibres.ends {
+            turns[*base as usize] = Follows::Base;
+            turns[*tip as usize] = Follows::Cap;
+        }
+        for turn in turns.iter_mut().filter(|turn| matches!(turn, Follows::Own(_))) {
+            own += 1;
+            *turn = Follows::Own(own - 1);
+        }
         let cap_block = own;
         let mut sizes = vec![3u8; own as usize];
         sizes.push(6);
@@ -165,12 +180,9 @@ impl Body {
                 on_cap: vec![],
             });
         }
-        let mut cliques: Vec<Vec<u32>> = Vec::new();
-        for element in &elements {
-            let mut clique: Vec<u32> = element
-                .points
-                .iter()
-                .filter_map(|&point| match follows[point as usize] {
+        let coupled = |members: &mut dyn Iterator<Item = Follows>| {
+            let mut clique: Vec<u32> = members
+                .filter_map(|follows| match follows {
                     Follows::Base => None,
                     Follows::Cap => Some(cap_block),
                     Follows::Own(block) => Some(block),
@@ -178,7 +190,19 @@ impl Body {
                 .collect();
             clique.sort_unstable();
             clique.dedup();
-            cliques.push(clique);
+            clique
+        };
+        let mut cliques: Vec<Vec<u32>> = elements
+            .iter()
+            .map(|element| coupled(&mut element.points.iter().map(|&point| follows[point as usize])))
+            .collect();
+        if !turns.is_empty() {
+            cliques.extend(fibres.elements.iter().map(|fibre| {
+                coupled(&mut fibre.blocks().iter().map(|block| match *block {
+                    Block::Point(point) => follows[point as usize],
+                    Block::Rotation(node) => turns[node as usize],
+                }))
+            }));
         }
         let mut beside_cap: Vec<u32> =
             cliques.iter().filter(|clique| clique.contains(&cap_block)).flatten().copied().collect();
@@ -203,7 +227,6 @@ impl Body {
                 }
             }
         }
-        let fibres = Fibres::trusses(specimen, &grid)?;
         let angle = TAU / sectors as f64;
         let sector = *Rotation3::from_axis_angle(&Vector3::z_axis(), angle).matrix();
         let mut body = Body {
@@ -213,11 +236,13 @@ impl Body {
             point_forces: vec![[0.0; 3]; grid.points.len()],
             point_condensed: vec![[0.0; 3]; grid.points.len()],
             point_volume: vec![[0.0; 3]; grid.points.len()],
+            node_moments: vec![[0.0; 3]; turns.len()],
             specimen: specimen.clone(),
             frames: vec![Matrix3::identity(); follows.len()],
             tangent_frames: vec![Matrix3::identity(); follows.len()],
             cap_frame: Matrix3::identity(),
             follows,
+            turns,
             elements,
             fibres,
             shapes,
@@ -284,7 +309,7 @@ impl Body {
         SolidState {
             positions: self.grid.points.clone(),
             pressures: vec![[0.0; 4]; self.elements.len()],
-            rotations: vec![],
+            rotations: self.fibres.rotations.clone(),
             cap: Vector3::new(0.0, 0.0, self.specimen.tube.length),
             cap_rotation: UnitQuaternion::identity(),
             load: SolidLoad::default(),
@@ -292,6 +317,17 @@ impl Body {
             volume: 0.0,
             residual: 0.0,
         }
+    }
+
+    /// Volume of the part of the undeformed body that moves with each point, m^3.
+    pub fn point_volumes(&self) -> Vec<f64> {
+        let mut volumes = vec![0.0; self.grid.points.len()];
+        for element in &self.elements {
+            for (share, point) in self.shapes[element.shape as usize].shares.iter().zip(element.points) {
+                volumes[point as usize] += share;
+            }
+        }
+        volumes
     }
 
     /// Puts the points of base and cap and the images of a sector where they belong.
@@ -312,6 +348,28 @@ impl Body {
                 }
             }
         }
+        for (node, turns) in self.turns.iter().enumerate() {
+            match turns {
+                Follows::Base => state.rotations[node] = self.fibres.rotations[node],
+                Follows::Cap => state.rotations[node] = state.cap_rotation * self.fibres.rotations[node],
+                Follows::Own(_) => {}
+            }
+        }
+    }
+
+    /// Turns of the frames of the beams' nodes for a step of the unknowns, each in its own frame.
+    pub fn turns_of(&self, step: &[f64]) -> Vec<Vector3<f64>> {
+        self.turns
+            .iter()
+            .map(|turns| match *turns {
+                Follows::Own(block) => {
+                    let first = self.pattern.first(block);
+                    Vector3::new(step[first], step[first + 1], step[first + 2])
+                }
+                // Settled with base and cap.
+                Follows::Base | Follows::Cap => Vector3::zeros(),
+            })
+            .collect()
     }
 
     /// Displacements of all points (in space) for a step of the unknowns, and the cap's.
@@ -362,7 +420,12 @@ impl Body {
         with_tangent: bool,
         forces: &mut Forces,
     ) -> Result<(), Inverted> {
-        for sums in [&mut self.point_forces, &mut self.point_condensed, &mut self.point_volume] {
+        for sums in [
+            &mut self.point_forces,
+            &mut self.point_condensed,
+            &mut self.point_volume,
+            &mut self.node_moments,
+        ] {
             sums.fill([0.0; 3]);
         }
         set_local_frames(&self.grid, &state.positions, &mut self.frames);
@@ -437,19 +500,32 @@ impl Body {
             let blocks = fibre.blocks();
             let unknowns = 3 * blocks.len();
             squares += gradient[..unknowns].iter().map(|value| value * value).sum::<f64>();
+            let members: [Member; MAX_UNKNOWNS / 3] = std::array::from_fn(|a| match blocks.get(a) {
+                Some(&Block::Point(point)) => scatter.member(point),
+                Some(&Block::Rotation(node)) => {
+                    scatter.turning(self.turns[node as usize], node, &state.rotations[node as usize])
+                }
+                None => Member {
+                    follows: Follows::Base,
+                    index: 0,
+                    lever: Matrix3x6::zeros(),
+                    frame: Matrix3::identity(),
+                },
+            });
             for (a, block) in blocks.iter().enumerate() {
-                // Trusses have no other unknowns.
-                let &Block::Point(point) = block else { continue };
                 for i in 0..3 {
-                    self.point_forces[point as usize][i] += gradient[3 * a + i];
+                    let value = gradient[3 * a + i];
+                    match *block {
+                        Block::Point(point) => self.point_forces[point as usize][i] += value,
+                        Block::Rotation(node) => self.node_moments[node as usize][i] += value,
+                    }
                 }
                 if !with_tangent {
                     continue;
                 }
-                for (b, other) in blocks[..=a].iter().enumerate() {
-                    let &Block::Point(other) = other else { continue };
+                for b in 0..=a {
                     let block = Matrix3::from_fn(|i, k| tangent[(3 * b + k) * unknowns + 3 * a + i]);
-                    scatter.add([point, other], &block);
+                    scatter.add(&members[a], &members[b], &block);
                 }
             }
         }
@@ -502,6 +578,23 @@ impl Body {
                         *sum += joined(force, arm.cross(&force));
                     }
                     turning += second_turn(all[0], arm);
+                }
+            }
+        }
+        for ((turns, moment), rotation) in self.turns.iter().zip(&self.node_moments).zip(&state.rotations) {
+            match *turns {
+                Follows::Base => {}
+                Follows::Own(block) => {
+                    for vector in [&mut forces.residual, &mut forces.condensed] {
+                        for i in 0..3 {
+                            vector[self.pattern.first(block) + i] += moment[i];
+                        }
+                    }
+                }
+                Follows::Cap => {
+                    let moment = joined(Vector3::zeros(), rotation * Vector3::from(*moment));
+                    on_cap[0] += moment;
+                    on_cap[1] += moment;
                 }
             }
         }
@@ -567,6 +660,19 @@ impl Body {
         }
     }
 
+    /// Adds `factor` times dead forces in space, on all points of their own and on the cap's middle, to forces on the unknowns.
+    pub fn add_point_forces(&self, factor: f64, (points, cap): (&[[f64; 3]], Vector3<f64>), on: &mut [f64]) {
+        for ((follows, frame), force) in self.follows.iter().zip(&self.frames).zip(points) {
+            if let Follows::Own(block) = *follows {
+                let first = self.pattern.first(block);
+                let force = factor * frame.tr_mul(&Vector3::from(*force));
+                (0..3).for_each(|i| on[first + i] += force[i]);
+            }
+        }
+        let force = factor * self.cap_frame.tr_mul(&cap);
+        (0..3).for_each(|i| on[self.cap_unknown + i] += force[i]);
+    }
+
     /// Replaces the equations of held motions of the cap by themselves: rows and columns zero, one on the diagonal.
     pub fn take_out_held(&mut self, held: [bool; 6]) {
         for direction in (0..6).filter(|&direction| held[direction]) {
@@ -594,7 +700,19 @@ fn second_turn(f: Vector3<f64>, r: Vector3<f64>) -> Matrix3<f64> {
     0.5 * (f * r.transpose() + r * f.transpose()) - Matrix3::identity() * f.dot(&r)
 }
 
-/// Where blocks of the tangent between points go.
+/// A point, or the frame of a beam's node, in the assembly of the tangent.
+#[derive(Clone, Copy)]
+struct Member {
+    follows: Follows,
+    /// Tells members apart.
+    index: u32,
+    /// Its motion by the cap's, if it follows that.
+    lever: Matrix3x6<f64>,
+    /// Of its unknowns.
+    frame: Matrix3<f64>,
+}
+
+/// Where blocks of the tangent go.
 struct Scatter<'a> {
     values: &'a mut [f64],
     pattern: &'a BlockPattern,
@@ -624,30 +742,48 @@ impl Scatter<'_> {
             for b in 0..NODES as u8 {
                 if b <= a || !element.on_cap.contains(&b) {
                     let [a, b] = [a, b].map(usize::from);
-                    self.add([element.points[a], element.points[b]], &work.block(a, b));
+                    let block = work.block(a, b);
+                    let [a, b] = [a, b].map(|a| self.member(element.points[a]));
+                    self.add(&a, &b, &block);
                 }
             }
         }
     }
 
-    /// How a step of the cap moves one of its points: [1, -[r]x].
-    fn lever(&self, point: u32) -> Matrix3x6<f64> {
-        let arm = Vector3::from(self.positions[point as usize]) - self.cap;
-        let mut lever = Matrix3x6::identity();
-        lever.fixed_view_mut::<3, 3>(0, 3).copy_from(&-arm.cross_matrix());
-        lever
+    /// A point: a step of the cap moves those on it by [1, -[r]x].
+    fn member(&self, point: u32) -> Member {
+        let follows = self.follows[point as usize];
+        let mut lever = Matrix3x6::zeros();
+        if follows == Follows::Cap {
+            let arm = Vector3::from(self.positions[point as usize]) - self.cap;
+            lever.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::identity());
+            lever.fixed_view_mut::<3, 3>(0, 3).copy_from(&-arm.cross_matrix());
+        }
+        Member { follows, index: point, lever, frame: self.frames[point as usize] }
     }
 
-    /// Adds the block between two points (in space) and, where they differ, its transpose between them the other way round.
-    fn add(&mut self, [p, q]: [u32; 2], block: &Matrix3<f64>) {
-        match (self.follows[p as usize], self.follows[q as usize]) {
+    /// The frame R of a beam's node: a turn W of the cap is R^T W in the frame of one held by it, to all orders.
+    fn turning(&self, follows: Follows, node: u32, rotation: &UnitQuaternion<f64>) -> Member {
+        let mut lever = Matrix3x6::zeros();
+        if follows == Follows::Cap {
+            let back = rotation.inverse().to_rotation_matrix();
+            lever.fixed_view_mut::<3, 3>(0, 3).copy_from(back.matrix());
+        }
+        let index = self.follows.len() as u32 + node;
+        Member { follows, index, lever, frame: Matrix3::identity() }
+    }
+
+    /// Adds the block between two members (points in space) and, where they differ, its transpose between them the other way round.
+    fn add(&mut self, p: &Member, q: &Member, block: &Matrix3<f64>) {
+        let same = p.index == q.index;
+        match (p.follows, q.follows) {
             (Follows::Base, _) | (_, Follows::Base) => {}
             (Follows::Cap, Follows::Cap) => {
-                let sum = self.lever(p).tr_mul(block) * self.lever(q);
-                self.cap_tangent += if p == q { sum } else { sum + sum.transpose() };
+                let sum = p.lever.tr_mul(block) * q.lever;
+                self.cap_tangent += if same { sum } else { sum + sum.transpose() };
             }
             (Follows::Cap, Follows::Own(b)) => {
-                let block = self.lever(p).tr_mul(&(block * self.frames[q as usize]));
+                let block = p.lever.tr_mul(&(block * q.frame));
                 let place = self.pattern.place(self.cap_block, b);
                 for (half, rows) in
                     [0, 3].into_iter().zip([block.fixed_rows::<3>(0), block.fixed_rows::<3>(3)])
@@ -660,14 +796,14 @@ impl Scatter<'_> {
                     }
                 }
             }
-            (Follows::Own(_), Follows::Cap) => self.add([q, p], &block.transpose()),
+            (Follows::Own(_), Follows::Cap) => self.add(q, p, &block.transpose()),
             (Follows::Own(a), Follows::Own(b)) => {
-                let block = self.frames[p as usize].tr_mul(block) * self.frames[q as usize];
+                let block = p.frame.tr_mul(block) * q.frame;
                 let place = self.pattern.place(a, b);
                 for i in 0..3 {
                     for k in 0..3 {
                         self.values[place.index(i, k)] += block[(i, k)];
-                        if a == b && p != q {
+                        if a == b && !same {
                             self.values[place.index(k, i)] += block[(i, k)];
                         }
                     }

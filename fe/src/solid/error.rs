@@ -35,6 +35,20 @@ pub enum SolidError {
         /// What to do.
         advice: &'static str,
     },
+    /// A step left the branch of equilibria that it started on.
+    #[error(
+        "between {from} and {to} the path jumps to another branch of equilibria: negative eigenvalues {before} before, {after} after, and no critical point that joins them. Use closer stops"
+    )]
+    Jumped {
+        /// Parameter of the path where the step began.
+        from: f64,
+        /// And where it ended.
+        to: f64,
+        /// Negative eigenvalues of the tangent before.
+        before: usize,
+        /// And after.
+        after: usize,
+    },
     /// The tangent could not be factorised.
     #[error("the tangent cannot be factorised: {0}")]
     Singular(String),

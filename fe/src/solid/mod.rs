@@ -3,6 +3,8 @@
 #![allow(dead_code, clippy::large_enum_variant)]
 
 mod body;
+mod branch;
+mod critical;
 mod deformation;
 mod element;
 #[cfg(test)]
@@ -16,6 +18,9 @@ mod newton;
 mod path;
 mod shape;
 mod specimen;
+mod stability;
+#[cfg(test)]
+mod stability_tests;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -25,11 +30,15 @@ mod vtu;
 mod vtu_tests;
 mod wall;
 
+pub use branch::Branches;
+pub use critical::{CriticalKind, CriticalPoint, PressureLimit};
 pub use deformation::Deformation;
 pub use error::SolidError;
 pub use mesh::SolidMesh;
 pub use newton::{SolidCost, SolidSolver};
-pub use specimen::{Coat, Specimen};
+pub use path::Parameter as SolidPath;
+pub use specimen::{Coat, FibreModel, Specimen};
+pub use stability::{SolidMode, Stability};
 pub use state::{SolidLoad, SolidState};
 pub use vtk_xml::write_pvd;
 pub use wall::{StrainAt, Strains};

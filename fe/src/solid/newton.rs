@@ -47,6 +47,10 @@ pub struct SolidSolver {
     pub(super) forces: Forces,
     /// Eigenvalue signs of the tangent factorised last.
     pub(super) inertia: Option<Inertia>,
+    /// Where the last path was last.
+    pub(super) last_good: Option<(f64, SolidState)>,
+    /// Dead forces by which a path is led off a branch: a factor, forces on the points and on the cap's middle.
+    pub(super) imperfection: Option<(f64, Vec<[f64; 3]>, Vector3<f64>)>,
     cost: SolidCost,
 }
 
@@ -86,6 +90,8 @@ impl SolidSolver {
             factorisation,
             forces: Forces::default(),
             inertia: None,
+            last_good: None,
+            imperfection: None,
             cost: SolidCost::default(),
         })
     }
@@ -111,6 +117,11 @@ impl SolidSolver {
         let done = self.body.assemble(state, &state.load, with_tangent, &mut self.forces);
         self.cost.assembly += start.elapsed();
         done.map_err(|_| Lost(f64::NAN))?;
+        if let Some((factor, points, cap)) = &self.imperfection {
+            for vector in [&mut self.forces.residual, &mut self.forces.condensed] {
+                self.body.add_point_forces(-factor, (points, *cap), vector);
+            }
+        }
         Ok(self.error(&state.load))
     }
 
@@ -129,8 +140,24 @@ impl SolidSolver {
             .map(|(index, value)| if index >= cap + 3 { (value / radius).powi(2) } else { value * value })
             .sum();
         // Without load there is nothing to compare with but the rubber's own stiffness.
-        let least = 1e-6 * self.body.specimen.elastomer.initial_shear_modulus() * radius * radius;
+        let (modulus, ratio) =
+            (self.body.specimen.elastomer.initial_shear_modulus(), self.body.specimen.bulk_ratio);
+        // Places are rounded to an epsilon of the length, which the bulk modulus makes into forces.
+        let rounding = 0.1 * f64::EPSILON * ratio * self.body.specimen.tube.length / radius;
+        let least = modulus * radius * radius * (rounding / TOLERANCE).max(1e-6);
         (squares.sqrt() / self.forces.scale.max(least)).max(self.forces.mismatch)
+    }
+
+    /// Force (N) and moment (N m, in space) that must act on the cap beside the load to hold it: zero in the directions that are free.
+    ///
+    /// # Errors
+    /// [`SolidError::NotConverged`] where elements of the state are turned inside out.
+    pub fn reaction(&mut self, state: &SolidState) -> Result<[Vector3<f64>; 2], SolidError> {
+        self.assemble(state, false).map_err(|lost| self.lost(state, lost, "the reaction"))?;
+        let sectors = self.body.grid.sectors as f64;
+        let on_cap = &self.forces.residual[self.body.cap_unknown..];
+        let at = |first: usize| sectors * Vector3::new(on_cap[first], on_cap[first + 1], on_cap[first + 2]);
+        Ok([at(0), at(3)])
     }
 
     /// The tangent assembled last times a motion of the cap: the forces on all unknowns.
@@ -153,17 +180,18 @@ impl SolidSolver {
         Ok(())
     }
 
-    fn substitute(&mut self, right_hand_sides: &mut [f64]) {
+    pub(super) fn substitute(&mut self, right_hand_sides: &mut [f64]) {
         let start = Instant::now();
         self.factorisation.solve(right_hand_sides);
         self.cost.substitution += start.elapsed();
     }
 
     /// The motion that belongs to a step of the unknowns from a state that was assembled.
-    fn motion(&self, state: &SolidState, step: &[f64], with_mismatch: bool) -> Motion {
+    pub(super) fn motion(&self, state: &SolidState, step: &[f64], with_mismatch: bool) -> Motion {
         let (displacements, cap) = self.body.displacements(state, step);
         let mut motion = motion_of(&self.body.grid, state, &displacements);
         motion.pressures = self.body.pressure_steps(&displacements, with_mismatch);
+        motion.rotations = self.body.turns_of(step);
         motion.cap = cap;
         motion
     }

@@ -21,11 +21,22 @@ struct Passed {
 }
 
 /// What a path is followed by.
-enum Parameter<'a> {
+pub enum Parameter<'a> {
     /// Loads as a function of a parameter, linear between the stops.
     Load(&'a dyn Fn(f64) -> SolidLoad),
     /// Enclosed volume, m^3 of the part that is meshed; the other loads stay.
     Volume(SolidLoad),
+}
+
+impl Parameter<'_> {
+    /// An equilibrium under the path's loads at a parameter.
+    pub(super) fn begin(&self, at: f64, state: &SolidState) -> SolidState {
+        let load = match self {
+            Parameter::Load(load_at) => load_at(at),
+            Parameter::Volume(load) => SolidLoad { pressure: state.load.pressure, ..*load },
+        };
+        SolidState { load, ..state.clone() }
+    }
 }
 
 /// Weights of the values and of the slopes at `times` in the polynomial through all of them, at time `target`.
@@ -87,7 +98,13 @@ impl SolidSolver {
         self.walk(&start, from, &stops, &Parameter::Volume(load), &mut |at, state| found(at * sectors, state))
     }
 
-    fn lost(&self, last: &SolidState, Lost(residual): Lost, target: &str) -> SolidError {
+    /// The equilibrium that the last path reached last, stop or not, and its parameter there (volume of the part that is meshed, for a
+    /// path of volumes): what is left when a path fails or is stopped.
+    pub fn last_good(&self) -> Option<(f64, &SolidState)> {
+        self.last_good.as_ref().map(|(at, state)| (*at, state))
+    }
+
+    pub(super) fn lost(&self, last: &SolidState, Lost(residual): Lost, target: &str) -> SolidError {
         SolidError::NotConverged {
             target: target.to_owned(),
             residual,
@@ -97,13 +114,15 @@ impl SolidSolver {
     }
 
     /// First-order motion per parameter at an equilibrium.
-    fn slope(
+    ///
+    /// With the slope of the pressure and the motion's step of the unknowns.
+    pub(super) fn slope(
         &mut self,
         state: &SolidState,
         at: f64,
         towards: f64,
         parameter: &Parameter<'_>,
-    ) -> Result<(Motion, f64), Lost> {
+    ) -> Result<(Motion, f64, Vec<f64>), Lost> {
         let held = state.load.held;
         let (rates, span) = match parameter {
             Parameter::Load(load_at) => (load_at(towards), towards - at),
@@ -132,8 +151,8 @@ impl SolidSolver {
                 let by_pressure = (rates.pressure - now.pressure) / span;
                 let forces = [rate(rates.force, now.force), rate(rates.moment, now.moment)];
                 let gravity = rate(rates.gravity, now.gravity);
-                let motion = self.first_order(state, by_pressure, forces, gravity, held_motion).0;
-                Ok((motion, by_pressure))
+                let (motion, step) = self.first_order(state, by_pressure, forces, gravity, held_motion);
+                Ok((motion, by_pressure, step))
             }
             Parameter::Volume(_) => {
                 let none = nalgebra::Vector3::zeros();
@@ -141,12 +160,12 @@ impl SolidSolver {
                 let by_pressure: f64 =
                     self.forces.volume_gradient.iter().zip(&step).map(|(a, b)| a * b).sum();
                 motion.scale(1.0 / by_pressure);
-                Ok((motion, 1.0 / by_pressure))
+                Ok((motion, 1.0 / by_pressure, step))
             }
         }
     }
 
-    fn walk(
+    pub(super) fn walk(
         &mut self,
         start: &SolidState,
         from: f64,
@@ -159,6 +178,7 @@ impl SolidSolver {
             state.load.held = load_at(stop).held;
         }
         let mut at = from;
+        self.last_good = Some((at, state.clone()));
         let mut passed: Vec<Passed> = Vec::new();
         let mut stride = f64::INFINITY;
         for &stop in stops {
@@ -166,7 +186,7 @@ impl SolidSolver {
             while at != stop {
                 let remaining = stop - at;
                 if passed.last().is_none_or(|last| last.onwards.is_some()) {
-                    let (slope, pressure_slope) = self
+                    let (slope, pressure_slope, _) = self
                         .slope(&state, at, stop, parameter)
                         .map_err(|lost| self.lost(&state, lost, "the start"))?;
                     let pressure = state.load.pressure;
@@ -195,14 +215,13 @@ impl SolidSolver {
                         }
                         state = reached;
                         at = next;
+                        self.last_good = Some((at, state.clone()));
                     }
                     Err(lost) => {
                         halvings += 1;
                         if halvings > HALVINGS {
                             let target = match parameter {
-                                Parameter::Load(load_at) => {
-                                    format!("{:.4} kPa", 1e-3 * load_at(next).pressure)
-                                }
+                                Parameter::Load(load_at) => load_at(next).to_string(),
                                 Parameter::Volume(_) => format!("an enclosed volume of {:.4} ml", 1e6 * next),
                             };
                             return Err(self.lost(&state, lost, &target));

@@ -1,4 +1,4 @@
-use super::SolidError;
+use super::{SolidError, fibre::Fibres, mesh::Grid};
 use actuator::{Elastomer, Free, Tube, Winding};
 
 /// A layer of rubber over tube and fibres.
@@ -10,6 +10,16 @@ pub struct Coat {
     pub elastomer: Elastomer,
 }
 
+/// What a fibre resists.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FibreModel {
+    /// Stretch alone.
+    #[default]
+    Truss,
+    /// Stretch, bending and twist, as a round bar of its diameter whose ends are clamped to the caps.
+    Beam,
+}
+
 /// A FREE as a body: everything that the drawing says, and what a real one has beyond it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Specimen {
@@ -19,6 +29,8 @@ pub struct Specimen {
     pub elastomer: Elastomer,
     /// Families of fibres on the tube's outer surface; none for a bare tube.
     pub windings: Vec<Winding>,
+    /// What the fibres resist.
+    pub fibre_model: FibreModel,
     /// Rubber over the fibres.
     pub coat: Option<Coat>,
     /// Place of the bore's axis in the tube's cross-section at the base and at the tip, m: zero for a concentric bore. The wall
@@ -43,6 +55,7 @@ impl From<&Free> for Specimen {
             tube: free.tube,
             elastomer: free.elastomer,
             windings: if free.winding.fibres == 0 { vec![] } else { vec![free.winding] },
+            fibre_model: FibreModel::Truss,
             coat: None,
             bore_offset: [[0.0; 2]; 2],
             wall_taper: 1.0,
@@ -119,6 +132,14 @@ impl Specimen {
             }
         }
         Ok(())
+    }
+
+    /// Its fibres in a mesh.
+    pub(super) fn fibres(&self, grid: &Grid) -> Result<Fibres, SolidError> {
+        match self.fibre_model {
+            FibreModel::Truss => Fibres::trusses(self, grid),
+            FibreModel::Beam => Fibres::beams(self, grid),
+        }
     }
 
     /// Turn of the first family's fibres per length along the tube, signed by its hand, rad/m; zero for a bare tube.

@@ -1,4 +1,4 @@
-use super::mesh::Grid;
+use super::{fibre::Fibres, mesh::Grid};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 /// What acts on a solid, in the base frame. Its base is clamped; the tip's cap is rigid.
@@ -32,6 +32,23 @@ impl Default for SolidLoad {
             displacement: Vector3::zeros(),
             turn: Vector3::zeros(),
         }
+    }
+}
+
+impl std::fmt::Display for SolidLoad {
+    /// The pressure, and what else acts, in kPa, mm, deg, N, N mm.
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(out, "{:.4} kPa", 1e-3 * self.pressure)?;
+        let vectors = [
+            (self.held[..3].contains(&true), "cap moved by", 1e3 * self.displacement, "mm"),
+            (self.held[3..].contains(&true), "cap turned by", self.turn.map(f64::to_degrees), "deg"),
+            (self.force != Vector3::zeros(), "force", self.force, "N"),
+            (self.moment != Vector3::zeros(), "moment", 1e3 * self.moment, "N mm"),
+        ];
+        for (_, name, value, unit) in vectors.into_iter().filter(|vector| vector.0) {
+            write!(out, ", {name} ({:.4}, {:.4}, {:.4}) {unit}", value.x, value.y, value.z)?;
+        }
+        Ok(())
     }
 }
 
@@ -105,7 +122,7 @@ pub(super) struct Motion {
     pub points: Vec<[f64; 3]>,
     /// Changes of the elements' pressures, Pa.
     pub pressures: Vec<[f64; 4]>,
-    /// Turns of the rotation nodes, rad.
+    /// Turns of the beams' nodes, rad, each in its own frame.
     pub rotations: Vec<Vector3<f64>>,
     /// Shift (m) and turn (rad, in space) of the cap.
     pub cap: [Vector3<f64>; 2],
@@ -250,7 +267,7 @@ impl SolidState {
             *pressure += change;
         }
         for (rotation, turn) in next.rotations.iter_mut().zip(&motion.rotations) {
-            *rotation = UnitQuaternion::from_scaled_axis(*turn) * *rotation;
+            *rotation = Fibres::moved(rotation, (*turn).into());
         }
         next.cap += motion.cap[0];
         next.cap_rotation = UnitQuaternion::from_scaled_axis(motion.cap[1]) * next.cap_rotation;

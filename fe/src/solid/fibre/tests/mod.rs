@@ -5,7 +5,7 @@ mod tracing;
 mod truss;
 
 use super::*;
-use crate::solid::{SolidMesh, Specimen};
+use crate::solid::{FibreModel, SolidMesh, Specimen};
 use actuator::{Elastomer, Fibre, FibreLaw, Handedness, OgdenForm, Tube};
 
 const LENGTH: f64 = 0.05;
@@ -22,6 +22,7 @@ fn specimen(windings: &[Winding]) -> Specimen {
         tube: Tube { length: LENGTH, inner_radius: 4.76e-3, wall: 0.8e-3 },
         elastomer: Elastomer::Ogden { shear_modulus: 0.393e6, alpha: 1.2, form: OgdenForm::InitialModulus },
         windings: windings.to_vec(),
+        fibre_model: FibreModel::Truss,
         coat: None,
         bore_offset: [[0.0; 2]; 2],
         wall_taper: 1.0,
