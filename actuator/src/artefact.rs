@@ -18,7 +18,9 @@ pub struct Kind {
 }
 
 /// A map of a FREE or of a module.
-pub const MAP: Kind = Kind { magic: *b"FREEmap\0", version: 1, name: "map" };
+pub const MAP: Kind = Kind { magic: *b"FREEmap\0", version: 2, name: "map" };
+/// The same as it was written before maps told what computed them.
+pub const MAP_VERSION_1: Kind = Kind { version: 1, ..MAP };
 /// A fitted model.
 pub const MODEL: Kind = Kind { magic: *b"FREEmdl\0", version: 1, name: "model" };
 
@@ -93,6 +95,12 @@ pub fn write<T: Serialize>(path: &Path, kind: Kind, content: &T) -> Result<(), A
     fs::rename(&beside, path).map_err(io_error)
 }
 
+/// Format version that the bytes of a file claim; `None` where they are too few.
+pub fn version(bytes: &[u8]) -> Option<u32> {
+    let four: [u8; 4] = bytes.get(8..12)?.try_into().ok()?;
+    Some(u32::from_le_bytes(four))
+}
+
 /// Reads a file of `kind`.
 pub fn read<T: DeserializeOwned>(path: &Path, kind: Kind) -> Result<T, ArtefactError> {
     let bytes = fs::read(path).map_err(|source| ArtefactError::Io { path: path.to_owned(), source })?;
@@ -104,7 +112,7 @@ pub fn from_bytes<T: DeserializeOwned>(path: &Path, kind: Kind, bytes: &[u8]) ->
     let path = path.to_owned();
     if bytes.len() < 8 || bytes[..8] != kind.magic {
         let found = String::from_utf8_lossy(&bytes[..bytes.len().min(8)]).into_owned();
-        let maker = if kind == MAP { "map" } else { "fit" };
+        let maker = if kind.magic == MAP.magic { "map" } else { "fit" };
         return Err(ArtefactError::WrongMagic { path, expected: kind.name, maker, found });
     }
     let damaged =
@@ -112,7 +120,7 @@ pub fn from_bytes<T: DeserializeOwned>(path: &Path, kind: Kind, bytes: &[u8]) ->
     if bytes.len() < HEADER {
         return Err(damaged(path, "it ends inside its header"));
     }
-    let version = u32::from_le_bytes([bytes[8], bytes[9], bytes[10], bytes[11]]);
+    let version = version(bytes).unwrap_or_default();
     if version != kind.version {
         return Err(ArtefactError::WrongVersion {
             path,

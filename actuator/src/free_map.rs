@@ -1,19 +1,42 @@
 use crate::Free;
 use serde::{Deserialize, Serialize};
 
-/// A converged state of a FREE under gauge pressure, far from its caps.
+/// What computed the states of a FREE's map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Fidelity {
+    /// The cross-section far from the caps.
+    Section,
+    /// The whole tube with its rigid caps.
+    Solid {
+        /// Elements through the wall, around and along, where they were given; `None` = by the rule that the map's settings tell.
+        elements: Option<[u32; 3]>,
+    },
+}
+
+/// What a solid's middle does, beside what the whole does from cap to cap.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Middle {
+    /// Axial stretch over the middle fifth of the length.
+    pub axial_stretch: f64,
+    /// Twist per reference length there, rad/m.
+    pub twist_per_length: f64,
+}
+
+/// A converged state of a FREE under gauge pressure: of a section, far from the caps; of a solid, from cap to cap.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FreeState {
     /// Gauge pressure, Pa.
     pub pressure: f64,
-    /// Axial stretch lambda.
+    /// Axial stretch lambda; of a solid, the distance of its caps over that at rest.
     pub axial_stretch: f64,
-    /// Expansion b/B, with b the outer radius of equal area.
+    /// Expansion b/B, with b the outer radius of equal area; of a solid, over the middle fifth of its length.
     pub expansion: f64,
     /// Twist per reference length, rad/m; sign of the FREE's own hand.
     pub twist_per_length: f64,
     /// Relative residual of the equilibrium, the state's evidence of convergence.
     pub residual: f64,
+    /// Of a solid, what its middle does; `None` for a section, which is a middle.
+    pub middle: Option<Middle>,
 }
 
 /// Why a pressure path has no state above its last one.
@@ -59,6 +82,8 @@ pub struct FreeMap {
     pub paths: Vec<Option<FreePath>>,
     /// Paths at angles and moduli between the nodes, for the fit to be judged by and never to be fitted.
     pub checks: Vec<(Free, FreePath)>,
+    /// What computed it.
+    pub fidelity: Fidelity,
     /// Settings of the finite elements, in words.
     pub settings: String,
     /// Name and text of the description it was made from.

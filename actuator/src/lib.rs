@@ -19,6 +19,7 @@ mod elastomer;
 mod elastomer_file;
 mod free;
 mod free_map;
+mod free_map_1;
 mod module;
 mod module_map;
 mod pose;
@@ -32,7 +33,8 @@ pub use elastomer::{
     ARRUDA_BOYCE, Elastomer, ElastomerError, OgdenForm, OgdenTerm, OgdenTerms, chain_stiffening,
 };
 pub use free::Free;
-pub use free_map::{FreeMap, FreePath, FreeState, PathEnd};
+pub use free_map::{Fidelity, FreeMap, FreePath, FreeState, Middle, PathEnd};
+pub use free_map_1::FreeMapVersion1;
 pub use module::{Base, Limits, Module, PlacedFree, Tip};
 pub use module_map::{MapParameter, ModuleCheck, ModuleMap, ModuleState, PAYLOAD_STEP, payload_curvature};
 pub use pose::{PoseChart, TipPose, wrap_angle};

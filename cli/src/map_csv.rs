@@ -1,13 +1,14 @@
 //! Maps as CSV: one row a state, in the units that the columns name.
 
 use actuator::{
-    FreeMap, FreeState, ModuleMap, PathEnd, TipPose,
+    Fidelity, FreeMap, FreeState, ModuleMap, PathEnd, TipPose,
     units::{DEG, KPA, MM, MPA},
 };
 
-/// Columns of a FREE's map.
-pub const FREE_HEADER: &str = "winding_angle_deg,shear_modulus_mpa,pressure_kpa,axial_stretch,expansion,\
-                               twist_per_length_deg_per_mm,limit_pressure_kpa,status";
+/// Columns of a FREE's map between its axes and its status.
+const DEFORMATION: [&str; 3] = ["axial_stretch", "expansion", "twist_per_length_deg_per_mm"];
+/// Columns of a solid's map beside those.
+const MIDDLE: [&str; 2] = ["mid_axial_stretch", "mid_twist_per_length_deg_per_mm"];
 
 /// Columns of a pose.
 pub const POSE_HEADER: &str = "x_mm,y_mm,z_mm,qw,qx,qy,qz";
@@ -38,9 +39,23 @@ pub fn deformation_cells(state: &FreeState) -> Vec<String> {
     vec![number(state.axial_stretch), number(state.expansion), number(state.twist_per_length / DEG * MM)]
 }
 
+/// Cells of what a solid's middle does.
+fn middle_cells(state: &FreeState) -> Vec<String> {
+    match state.middle {
+        Some(middle) => vec![number(middle.axial_stretch), number(middle.twist_per_length / DEG * MM)],
+        None => vec![String::new(); MIDDLE.len()],
+    }
+}
+
 /// The map of a FREE. Pressures asked for that lie above the limit pressure are rows without values.
 pub fn free_map(map: &FreeMap) -> String {
-    let mut text = FREE_HEADER.to_owned() + "\n";
+    let solid = map.fidelity != Fidelity::Section;
+    let mut head = vec!["winding_angle_deg", "shear_modulus_mpa", "pressure_kpa"];
+    head.extend(DEFORMATION);
+    head.extend(if solid { &MIDDLE[..] } else { &[] });
+    let values = head.len() - 3;
+    head.extend(["limit_pressure_kpa", "status"]);
+    let mut text = head.join(",") + "\n";
     for (i, angle) in map.winding_angles.iter().enumerate() {
         for (j, modulus) in map.shear_moduli.iter().enumerate() {
             let path = map.path(i, j);
@@ -52,7 +67,7 @@ pub fn free_map(map: &FreeMap) -> String {
                 cells.push(status.to_owned());
                 text += &(cells.join(",") + "\n");
             };
-            let nothing = || vec![String::new(); 3];
+            let nothing = || vec![String::new(); values];
             let Some(path) = path else {
                 map.pressures.iter().for_each(|pressure| row(*pressure, nothing(), "missing"));
                 continue;
@@ -60,11 +75,11 @@ pub fn free_map(map: &FreeMap) -> String {
             let last = path.states.len().saturating_sub(1);
             for (k, state) in path.states.iter().enumerate() {
                 let at_limit = k == last && path.end == PathEnd::LimitPoint;
-                row(
-                    state.pressure,
-                    deformation_cells(state),
-                    if at_limit { "limit point" } else { "converged" },
-                );
+                let mut cells = deformation_cells(state);
+                if solid {
+                    cells.extend(middle_cells(state));
+                }
+                row(state.pressure, cells, if at_limit { "limit point" } else { "converged" });
             }
             let end = path.states.last().map_or(0.0, |state| state.pressure);
             let beyond = if limit.is_some() { "beyond limit" } else { "missing" };
@@ -119,6 +134,16 @@ mod tests {
         assert_eq!(rows[7], "70,0.393,40,,,,30,beyond limit");
         assert_eq!(rows.len(), 8);
         assert!(rows.iter().all(|row| row.split(',').count() == 8));
+    }
+
+    #[test]
+    fn a_solid_has_its_middle_beside() {
+        let text = free_map(&samples::solid_map());
+        let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+        assert!(rows.iter().all(|row| row.len() == 10), "{text}");
+        assert_eq!(rows[0][6..8], ["mid_axial_stretch", "mid_twist_per_length_deg_per_mm"]);
+        assert_eq!(rows[3][3..8], ["1.06", "1.04", "-0.687549354157", "1.066", "-0.756304289573"]);
+        assert_eq!(rows[7][3..], ["", "", "", "", "", "30", "beyond limit"]);
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! A map as it lies on disk: of a FREE or of a module.
 
 use crate::failure::Failure;
-use actuator::{FreeMap, ModuleMap, artefact};
+use actuator::{FreeMap, FreeMapVersion1, ModuleMap, artefact};
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::{fs, path::Path};
 
 /// A map of either kind.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,10 +14,30 @@ pub enum MapFile {
     Module(ModuleMap),
 }
 
+/// The same in files of format version 1.
+#[derive(Deserialize)]
+enum MapFileVersion1 {
+    Free(FreeMapVersion1),
+    Module(ModuleMap),
+}
+
+impl From<MapFileVersion1> for MapFile {
+    fn from(old: MapFileVersion1) -> Self {
+        match old {
+            MapFileVersion1::Free(map) => MapFile::Free(map.into()),
+            MapFileVersion1::Module(map) => MapFile::Module(map),
+        }
+    }
+}
+
 impl MapFile {
-    /// Reads a map.
+    /// Reads a map, of this format version or an earlier one.
     pub fn read(path: &Path) -> Result<Self, Failure> {
-        Ok(artefact::read(path, artefact::MAP)?)
+        let bytes = fs::read(path).map_err(Failure::at(path))?;
+        Ok(match artefact::version(&bytes) {
+            Some(1) => artefact::from_bytes::<MapFileVersion1>(path, artefact::MAP_VERSION_1, &bytes)?.into(),
+            _ => artefact::from_bytes(path, artefact::MAP, &bytes)?,
+        })
     }
 
     /// Writes a map, atomically.
@@ -78,6 +98,7 @@ impl MapFile {
         match (self, other) {
             (MapFile::Free(a), MapFile::Free(b)) => first(&[
                 (a.free != b.free, "the FREEs"),
+                (a.fidelity != b.fidelity, "the fidelities"),
                 (a.winding_angles != b.winding_angles, "the winding angles"),
                 (a.shear_moduli != b.shear_moduli, "the shear moduli"),
                 (a.pressures != b.pressures, "the pressures"),
@@ -166,6 +187,7 @@ pub mod samples {
             expansion: 1.0 + 1e-6 * pressure,
             twist_per_length: -30.0 * 1e-5 * pressure,
             residual: 1e-12,
+            middle: None,
         };
         let open = FreePath {
             states: vec![state(0.0, 1.0), state(2e4, 1.02), state(4e4, 1.06)],
@@ -182,9 +204,24 @@ pub mod samples {
             pressures: vec![0.0, 2e4, 4e4],
             paths: vec![Some(open), Some(limited)],
             checks: vec![],
+            fidelity: Fidelity::Section,
             settings: "none".into(),
             source: ("sample".into(), text),
         }
+    }
+
+    /// The same as if a solid had computed it, its middle doing more than the whole.
+    pub fn solid_map() -> FreeMap {
+        let mut map = free_map();
+        map.fidelity = Fidelity::Solid { elements: None };
+        for state in map.paths.iter_mut().flatten().flat_map(|path| &mut path.states) {
+            let middle = Middle {
+                axial_stretch: 1.0 + 1.1 * (state.axial_stretch - 1.0),
+                twist_per_length: 1.1 * state.twist_per_length,
+            };
+            state.middle = Some(middle);
+        }
+        map
     }
 
     /// The 30 degree module of the paper with poses from a formula, smooth enough to fit; `softness` scales them.
@@ -253,6 +290,30 @@ pub mod samples {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn maps_of_the_first_format_are_read() {
+        let reference = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/maps").join(name);
+        let (free, module) = (reference("buffinton-2020.map"), reference("buffinton-2020-30lr.map"));
+        for path in [&free, &module] {
+            assert_eq!(artefact::version(&fs::read(path).unwrap()), Some(1));
+        }
+        let map = MapFile::read(&free).unwrap().into_free().unwrap();
+        assert_eq!(map.fidelity, actuator::Fidelity::Section);
+        assert!(map.is_complete() && map.settings.contains("section"));
+        let states = || map.paths.iter().flatten().flat_map(|path| &path.states);
+        assert!(states().all(|state| state.middle.is_none() && state.residual < 1e-8));
+        assert!(states().all(|state| (0.5..4.0).contains(&state.axial_stretch) && state.expansion > 0.9));
+        let map = MapFile::read(&module).unwrap();
+        assert_eq!(map.computed().0, map.computed().1);
+
+        // What is read is written in the present format, and read again as the same.
+        let folder = tempfile::tempdir().unwrap();
+        let again = folder.path().join("again.map");
+        map.write(&again).unwrap();
+        assert_eq!(artefact::version(&fs::read(&again).unwrap()), Some(artefact::MAP.version));
+        assert_eq!(MapFile::read(&again).unwrap(), map);
+    }
 
     #[test]
     fn parts_of_a_sweep_join_and_strangers_do_not() {

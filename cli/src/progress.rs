@@ -10,7 +10,9 @@ impl Progress {
     /// A bar for work with a known number of steps.
     pub fn bar(what: &str) -> Self {
         let progress = Self::hidden_unless_terminal();
-        if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar:.cyan} {pos}/{len}, {eta} left") {
+        if let Ok(style) =
+            ProgressStyle::with_template("{msg} {wide_bar:.cyan} {pos}/{len}, {per_sec}, {eta} left")
+        {
             progress.0.set_style(style);
         }
         progress.0.set_message(what.to_owned());

@@ -2,7 +2,9 @@
 
 use crate::{exit::Exit, failure::Failure, interrupt, map_file::MapFile, progress::Progress, table::short};
 use actuator::{Free, FreeMap, Module, ModuleMap, Rig, units::DEG, units::KPA, units::MPA};
-use fe::{FreeSweep, FreeSweepReport, ModuleSweep, ModuleSweepReport, Run, Shard};
+use fe::{
+    FreeSweep, FreeSweepError, FreeSweepReport, ModuleSweep, ModuleSweepReport, Run, Shard, SolidSweep,
+};
 use std::{
     path::Path,
     time::{Duration, Instant},
@@ -17,6 +19,9 @@ pub struct Swept {
     /// States or paths that were not found, and why.
     pub failed: Vec<String>,
 }
+
+/// Computes what is missing of a FREE's map, telling and saving it as it is told to.
+type Fill<'a> = dyn FnMut(&Run<'_>, &mut dyn FnMut(&FreeMap)) -> Result<FreeSweepReport, FreeSweepError> + 'a;
 
 /// How a sweep is run.
 pub struct Sweeping<'a> {
@@ -36,12 +41,21 @@ impl Sweeping<'_> {
 
     /// Computes what is missing of a FREE's map.
     pub fn free(&self, sweep: &FreeSweep, map: &mut FreeMap) -> Result<Swept, Failure> {
-        let bar = Progress::bar("computing paths");
+        self.paths("computing paths", &mut |run, checkpoint| sweep.fill(map, self.shard, run, checkpoint))
+    }
+
+    /// Computes what is missing of a FREE's map by solids.
+    pub fn solid(&self, sweep: &SolidSweep, map: &mut FreeMap) -> Result<Swept, Failure> {
+        self.paths("computing states", &mut |run, checkpoint| sweep.fill(map, self.shard, run, checkpoint))
+    }
+
+    fn paths(&self, what: &str, fill: &mut Fill<'_>) -> Result<Swept, Failure> {
+        let bar = Progress::bar(what);
         let told = |done, total| bar.at(done, total);
         let run = Run { jobs: self.jobs, progress: &told, stop: interrupt::flag() };
         let mut saver = Saver::new(self.save);
         let mut checkpoint = |map: &FreeMap| saver.save(|| MapFile::Free(map.clone()));
-        let report = sweep.fill(map, self.shard, &run, &mut checkpoint).map_err(Failure::file)?;
+        let report = fill(&run, &mut checkpoint).map_err(Failure::file)?;
         saver.outcome?;
         Ok(told_of_free(&report))
     }

@@ -254,6 +254,7 @@ impl ThickTube {
             expansion: ((at[0] + (1.0 / ratio2 - 1.0) / at[1]) * ratio2).sqrt(),
             twist_per_length: at[2] / self.outer_radius,
             residual,
+            middle: None,
         }
     }
 

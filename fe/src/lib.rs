@@ -2,6 +2,7 @@
 
 mod closed_form;
 mod free_map;
+mod free_sweep;
 mod jet;
 pub mod material;
 mod module_map;
@@ -10,11 +11,13 @@ mod run;
 mod section;
 mod section_law;
 mod solid;
+mod solid_map;
 #[allow(dead_code, unused_imports)]
 mod sparse;
 
 pub use closed_form::{ClosedFormError, ThickTube};
-pub use free_map::{FailedPath, FreeSweep, FreeSweepError, FreeSweepReport};
+pub use free_map::FreeSweep;
+pub use free_sweep::{FailedPath, FreeSweepError, FreeSweepReport, PathError};
 pub use module_map::{FailedState, ModuleSweep, ModuleSweepError, ModuleSweepReport};
 pub use rod::{
     Configuration, Equilibrium, RodError, RodModule, RodSettings, SectionTable, TableError, TableGrid,
@@ -28,3 +31,4 @@ pub use solid::{
     SolidError, SolidLoad, SolidMesh, SolidMode, SolidPath, SolidSolver, SolidState, Specimen, Stability,
     StrainAt, Strains, write_pvd,
 };
+pub use solid_map::SolidSweep;

@@ -4,8 +4,8 @@
 //! real ones have (8 angles, 3 moduli; 9 pressures for each of four FREEs), since only their size bears on the time.
 
 use actuator::{
-    Base, Elastomer, Fibre, FibreLaw, Free, FreeMap, FreePath, FreeState, Handedness, Limits, MapParameter,
-    Module, ModuleMap, ModuleState, PathEnd, PlacedFree, PoseChart, Tip, Tube, Winding,
+    Base, Elastomer, Fibre, FibreLaw, Fidelity, Free, FreeMap, FreePath, FreeState, Handedness, Limits,
+    MapParameter, Module, ModuleMap, ModuleState, PathEnd, PlacedFree, PoseChart, Tip, Tube, Winding,
 };
 use rom::{FreeModel, ModuleModel, PoseModel, recommended_pressure_nodes};
 use std::{hint::black_box, time::Instant};
@@ -35,6 +35,7 @@ fn free_model() -> Result<FreeModel, Box<dyn std::error::Error>> {
                 expansion: 1.0 + 0.4 * s * s,
                 twist_per_length: -90.0 * s * (2.0 * angle).sin(),
                 residual: 0.0,
+                middle: None,
             }
         };
         Some(FreePath { states: (0..=30).map(state).collect(), end: PathEnd::LimitPoint })
@@ -49,6 +50,7 @@ fn free_model() -> Result<FreeModel, Box<dyn std::error::Error>> {
         shear_moduli: shear_moduli.clone(),
         pressures: vec![0.0],
         checks: Vec::new(),
+        fidelity: Fidelity::Section,
         settings: "formulas".into(),
         source: Default::default(),
     })?)

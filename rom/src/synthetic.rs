@@ -1,9 +1,9 @@
 //! Analytic maps of the kind the finite elements make, for the tests of fits and files.
 
 use actuator::{
-    Base, Elastomer, Fibre, FibreLaw, Free, FreeMap, FreePath, FreeState, Handedness, Limits, MapParameter,
-    Module, ModuleCheck, ModuleMap, ModuleState, OgdenForm, PathEnd, PlacedFree, PoseChart, Tip, Tube,
-    Winding,
+    Base, Elastomer, Fibre, FibreLaw, Fidelity, Free, FreeMap, FreePath, FreeState, Handedness, Limits,
+    MapParameter, Module, ModuleCheck, ModuleMap, ModuleState, OgdenForm, PathEnd, PlacedFree, PoseChart,
+    Tip, Tube, Winding,
 };
 
 /// A FREE of 170 mm.
@@ -48,6 +48,7 @@ pub fn module_state(pressures: &[f64]) -> ModuleState {
         slopes: vec![payload, stiffness],
         negative_pivots: u32::from(pressures.iter().all(|pressure| *pressure < 1e3)),
         residual: 1e-10,
+        middle: None,
     }
 }
 
@@ -71,6 +72,7 @@ pub fn module_map(pressures: Vec<Vec<f64>>, checks: usize) -> ModuleMap {
         states: Vec::new(),
         checks: Vec::new(),
         limit_pressures: vec![Some(LIMIT); frees],
+        fidelity: Fidelity::Section,
         settings: "analytic".into(),
         source: ("synthetic".into(), "kind = \"module\"\n".into()),
     };

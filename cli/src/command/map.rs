@@ -13,20 +13,29 @@ use actuator::{
     Description, Free, FreeMap, Module, ModuleMap, Rig,
     units::{DEG, KPA, MPA},
 };
-use fe::{FreeSweep, ModuleSweep};
+use fe::{FreeSweep, FreeSweepError, ModuleSweep, PathError, SolidError, SolidSweep};
 use serde_json::json;
-use std::{path::PathBuf, str::FromStr, time::Instant};
+use std::{
+    io::{IsTerminal, stderr},
+    path::PathBuf,
+    str::FromStr,
+    time::Instant,
+};
 
 /// Compute a pressure-to-deformation map by finite elements
 ///
 /// Of a FREE: stretch, expansion and twist over winding angle, shear modulus and pressure, each path followed to its limit
 /// pressure, above which there is no equilibrium. Of a module: tip poses over the pressures of its FREEs.
 ///
+/// --fidelity solid computes a FREE as a whole tube between its caps, in seconds to minutes a path: stretch and twist are then from
+/// cap to cap, those of the middle stand beside them, and a path ends at --pressure-max-kpa if it meets no limit before.
+///
 /// Ctrl-C keeps what is finished; --resume goes on from there. --shard computes a part, for several machines; `freeact merge`
 /// joins the parts.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   freeact map --of data/actuators/buffinton-2020.toml --out paper.map --winding-angles 10:80:10 --shear-moduli-mpa 0.2,0.393,0.6
+  freeact map --of data/actuators/buffinton-2020.toml --out solid.map --fidelity solid --winding-angles 20:60:10
   freeact map --of data/modules/buffinton-2020-30lr.toml --out module.map --nodes 7
   freeact map --of data/modules/buffinton-2020-30lr.toml --out part.1.map --shard 1/4")]
 pub struct Map {
@@ -50,15 +59,15 @@ pub struct Map {
     #[arg(long, value_name = "KPA", value_parser = positive, allow_hyphen_values = true)]
     pressure_max_kpa: Option<f64>,
 
-    /// Step between the pressures of a FREE's map
-    #[arg(long, value_name = "KPA", value_parser = positive, default_value = "1", allow_hyphen_values = true)]
-    pressure_step_kpa: f64,
+    /// Step between the pressures of a FREE's map (default: 1 for the section, 5 for a solid)
+    #[arg(long, value_name = "KPA", value_parser = positive, allow_hyphen_values = true)]
+    pressure_step_kpa: Option<f64>,
 
     /// Pressures per FREE of a module's map (default: as many as make about 2500 nodes)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=1000))]
     nodes: Option<u64>,
 
-    /// Paths (FREE) or states (module) between the nodes that a fit will be judged by
+    /// Paths (FREE) or states (module) between the nodes that a fit will be judged by (2 for solids)
     #[arg(long, value_name = "N")]
     checks: Option<usize>,
 
@@ -69,6 +78,11 @@ pub struct Map {
     /// What computes the states (default: section for a FREE, rod for a module)
     #[arg(long, value_enum)]
     fidelity: Option<Fidelity>,
+
+    /// Elements of a solid through the wall, around and along the tube (default: 1, two for each fibre, and as many along as keep
+    /// them well shaped)
+    #[arg(long, value_name = "RADIAL,AROUND,ALONG", value_parser = elements)]
+    elements: Option<Elements>,
 
     /// Compute part i of n only, counted from 1
     #[arg(long, value_name = "I/N", default_value = "1/1")]
@@ -113,6 +127,20 @@ impl FromStr for Part {
     }
 }
 
+/// Elements of a solid through the wall, around and along.
+type Elements = [u32; 3];
+
+fn elements(text: &str) -> Result<Elements, String> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[radial @ 1..=100, around @ 1..=10_000, along @ 1..=100_000]) => Ok([radial, around, along]),
+        _ => {
+            Err("write three whole numbers, through the wall (1 to 100), around and along, as in 1,12,90"
+                .into())
+        }
+    }
+}
+
 fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
@@ -139,6 +167,7 @@ fn winding_angles(text: &str) -> Result<Values, String> {
 /// A map with nothing computed, and what computes it.
 enum Plan {
     Free(FreeSweep, FreeMap),
+    Solid(SolidSweep, FreeMap),
     Module(ModuleSweep, ModuleMap),
 }
 
@@ -153,6 +182,12 @@ impl Map {
             Plan::Free(sweep, mut map) => {
                 map = self.resumed(MapFile::Free(map))?.into_free()?;
                 let swept = sweeping.free(&sweep, &mut map)?;
+                (MapFile::Free(map), swept)
+            }
+            Plan::Solid(sweep, mut map) => {
+                map = self.resumed(MapFile::Free(map))?.into_free()?;
+                announce(&sweep, &map);
+                let swept = sweeping.solid(&sweep, &mut map)?;
                 (MapFile::Free(map), swept)
             }
             Plan::Module(sweep, mut map) => {
@@ -174,19 +209,24 @@ impl Map {
     fn plan(&self, rig: &Rig) -> Result<Plan, Failure> {
         let usage = |message: &str| Err(Failure::usage(format!("{}: {message}", self.of.display())));
         match (&rig.description, self.fidelity) {
-            (_, Some(Fidelity::Solid)) => Err(Failure::refused(
-                "--fidelity solid: there is no solid model in this version; leave it out for the section (FREE) or the \
-                 rods (module)",
-            )),
-            (Description::Free(_), Some(Fidelity::Rod)) => {
-                usage("--fidelity rod is for modules; a single FREE's map is made by --fidelity section")
-            }
+            (Description::Module(_), Some(Fidelity::Solid)) => Err(Failure::refused(format!(
+                "{}: --fidelity solid: there is no solid model of modules in this version, only of single FREEs; leave it \
+                 out for the rods",
+                self.of.display()
+            ))),
+            (Description::Free(_), Some(Fidelity::Rod)) => usage(
+                "--fidelity rod is for modules; a single FREE's map is made by --fidelity section or solid",
+            ),
             (Description::Module(_), Some(Fidelity::Section)) => {
                 usage("--fidelity section is for single FREEs; a module's map is made by --fidelity rod")
             }
             (Description::Free(_), _) if self.nodes.is_some() => {
                 usage("--nodes is for modules; a FREE's pressures are set by --pressure-step-kpa")
             }
+            (_, fidelity) if self.elements.is_some() && fidelity != Some(Fidelity::Solid) => {
+                usage("--elements is for solids; give --fidelity solid with it, or leave it out")
+            }
+            (Description::Free(free), Some(Fidelity::Solid)) => self.plan_solid(rig, *free),
             (Description::Free(free), _) => self.plan_free(rig, *free),
             (Description::Module(_), _)
                 if self.winding_angles.is_some() || self.shear_moduli_mpa.is_some() =>
@@ -200,6 +240,31 @@ impl Map {
     }
 
     fn plan_free(&self, rig: &Rig, free: Free) -> Result<Plan, Failure> {
+        let mut sweep = FreeSweep { seed: self.seed, ..FreeSweep::default() };
+        sweep.checks = self.checks.unwrap_or(sweep.checks);
+        let map = sweep::plan_free(&sweep, rig, free, self.free_axes(free, 1.0)?)?;
+        Ok(Plan::Free(sweep, map))
+    }
+
+    fn plan_solid(&self, rig: &Rig, free: Free) -> Result<Plan, Failure> {
+        let mut sweep = SolidSweep { elements: self.elements, seed: self.seed, ..SolidSweep::default() };
+        sweep.checks = self.checks.unwrap_or(sweep.checks);
+        let source = (rig.name.clone(), rig.text.clone());
+        let planned = sweep.empty_map(free, self.free_axes(free, 5.0)?, source);
+        let map = planned.map_err(|error| match &error {
+            // Of a mesh that was given the command line is at fault, not the description.
+            FreeSweepError::Free { source: PathError::Solid(SolidError::Invalid { field, .. }), .. }
+                if self.elements.is_some() && field.contains("elements") =>
+            {
+                Failure::usage(format!("--elements: {error}"))
+            }
+            _ => Failure::file(error).about(&rig.path),
+        })?;
+        Ok(Plan::Solid(sweep, map))
+    }
+
+    /// Winding angles, shear moduli and pressures (SI) of a FREE's map; `usual_step` of the pressures is in kPa.
+    fn free_axes(&self, free: Free, usual_step: f64) -> Result<[Vec<f64>; 3], Failure> {
         let axis = |values: &Option<Values>, flag: &str, unit: f64, own: f64| -> Result<Vec<f64>, Failure> {
             match values {
                 None => Ok(vec![own]),
@@ -214,13 +279,10 @@ impl Map {
         let angles = axis(&self.winding_angles, "--winding-angles", DEG, free.winding.angle_from_hoop())?;
         let moduli = axis(&self.shear_moduli_mpa, "--shear-moduli-mpa", MPA, free.elastomer.shear_modulus())?;
         let greatest = self.pressure_max_kpa.unwrap_or(70.0);
-        let step = self.pressure_step_kpa.min(greatest);
+        let step = self.pressure_step_kpa.unwrap_or(usual_step).min(greatest);
         let pressures: Values = format!("0:{greatest}:{step}").parse().map_err(Failure::usage)?;
         let pressures = pressures.0.iter().map(|kpa| kpa * KPA).collect();
-        let mut sweep = FreeSweep { seed: self.seed, ..FreeSweep::default() };
-        sweep.checks = self.checks.unwrap_or(sweep.checks);
-        let map = sweep::plan_free(&sweep, rig, free, [angles, moduli, pressures])?;
-        Ok(Plan::Free(sweep, map))
+        Ok([angles, moduli, pressures])
     }
 
     fn plan_module(&self, rig: &Rig, module: &Module) -> Result<Plan, Failure> {
@@ -310,9 +372,36 @@ impl Map {
     }
 }
 
+/// Tells what a long run is about to compute, where someone is watching.
+fn announce(sweep: &SolidSweep, map: &FreeMap) {
+    if !stderr().is_terminal() {
+        return;
+    }
+    let unknowns = map.winding_angles.iter().filter_map(|angle| {
+        let node = map.free.at(*angle, map.shear_moduli[0]);
+        Some(sweep.solver(&node).ok()?.unknowns())
+    });
+    eprintln!(
+        "solids of up to {} unknowns, {} pressures on each of {} paths; {}",
+        unknowns.max().unwrap_or(0),
+        map.pressures.len(),
+        map.paths.iter().filter(|path| path.is_none()).count() + sweep.check_points(map).len()
+            - map.checks.len(),
+        map.settings
+    );
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn elements_are_three_whole_numbers() {
+        assert_eq!(elements("1,12,90"), Ok([1, 12, 90]));
+        for wrong in ["1,12", "0,12,90", "1,12,90,4", "a", "1,-2,90", "1,12,1e9", ""] {
+            assert!(elements(wrong).unwrap_err().contains("as in 1,12,90"), "{wrong}");
+        }
+    }
 
     #[test]
     fn parts_are_counted_from_one() {

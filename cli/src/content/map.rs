@@ -5,7 +5,7 @@ use crate::{
     plot::{Chart, Mark, Series},
     table::{Table, short},
 };
-use actuator::{FreeMap, FreePath, FreeState, ModuleMap, PoseChart, units::*};
+use actuator::{Fidelity, FreeMap, FreePath, FreeState, Middle, ModuleMap, PoseChart, units::*};
 use serde_json::json;
 use std::path::Path;
 
@@ -45,33 +45,36 @@ impl MapFile {
     }
 }
 
-/// Stem of a file, label of an axis and what is drawn.
-type Quantity = (&'static str, &'static str, fn(&FreeState) -> f64);
+/// Stem of a file, label of an axis, what is drawn and what of a solid's middle beside it.
+type Quantity = (&'static str, &'static str, fn(&FreeState) -> f64, Option<fn(&Middle) -> f64>);
 
 impl Content for FreeMap {
     fn text(&self, path: &Path) -> String {
         let (computed, nodes) = (self.paths.iter().flatten().count(), self.paths.len());
         let states: usize = self.paths.iter().flatten().map(|path| path.states.len()).sum();
         let text = format!(
-            "{}: map of the FREE \"{}\", {computed} of {nodes} nodes, {states} states, {} for checks\n  {}\n\n",
+            "{}: map of the FREE \"{}\" by {}, {computed} of {nodes} nodes, {states} states, {} for checks\n  {}\n\n",
             path.display(),
             self.source.0,
+            self.computed_by(),
             self.checks.len(),
             self.settings
         );
+        let solid = self.fidelity != Fidelity::Section;
         let reference = self.common_pressure();
-        let mut table = Table::with_head(
-            [
-                "winding (° from hoop)".to_owned(),
-                "µ (MPa)".into(),
-                "states".into(),
-                "limit (kPa)".into(),
-                format!("at {} kPa: stretch", short(reference / KPA)),
-                "expansion".into(),
-                "twist (°/mm)".into(),
-            ]
-            .into(),
-        );
+        let mut head = vec![
+            "winding (° from hoop)".to_owned(),
+            "µ (MPa)".into(),
+            "states".into(),
+            "limit (kPa)".into(),
+            format!("at {} kPa: stretch", short(reference / KPA)),
+            "expansion".into(),
+            "twist (°/mm)".into(),
+        ];
+        if solid {
+            head.extend(["mid stretch".into(), "mid twist (°/mm)".into()]);
+        }
+        let mut table = Table::with_head(head);
         for (i, angle) in self.winding_angles.iter().enumerate() {
             for (j, modulus) in self.shear_moduli.iter().enumerate().take(MOST_ROWS) {
                 let mut cells = vec![short(angle / DEG), short(modulus / MPA)];
@@ -84,6 +87,10 @@ impl Content for FreeMap {
                             cells.push(format!("{:.4}", state.axial_stretch));
                             cells.push(format!("{:.4}", state.expansion));
                             cells.push(format!("{:.4}", state.twist_per_length / DEG * MM));
+                            if let Some(middle) = state.middle {
+                                cells.push(format!("{:.4}", middle.axial_stretch));
+                                cells.push(format!("{:.4}", middle.twist_per_length / DEG * MM));
+                            }
                         }
                     }
                 }
@@ -107,7 +114,7 @@ impl Content for FreeMap {
         let axes =
             (0..self.winding_angles.len()).flat_map(|i| (0..self.shear_moduli.len()).map(move |j| (i, j)));
         json!({
-            "content": "map", "kind": "free", "name": self.source.0, "settings": self.settings,
+            "content": "map", "kind": "free", "fidelity": self.computed_by(), "name": self.source.0, "settings": self.settings,
             "checks": self.checks.len(),
             "nodes": axes.map(|(i, j)| node(i, j)).collect::<Vec<_>>(),
         })
@@ -119,21 +126,41 @@ impl Content for FreeMap {
 
     fn charts(&self) -> Vec<(String, Chart)> {
         let quantities: [Quantity; 3] = [
-            ("axial-stretch", "axial stretch λ", |state| state.axial_stretch),
-            ("expansion", "expansion b/B", |state| state.expansion),
-            ("twist", "twist per length (°/mm)", |state| state.twist_per_length / DEG * MM),
+            (
+                "axial-stretch",
+                "axial stretch λ",
+                |state| state.axial_stretch,
+                Some(|middle| middle.axial_stretch),
+            ),
+            ("expansion", "expansion b/B", |state| state.expansion, None),
+            (
+                "twist",
+                "twist per length (°/mm)",
+                |state| state.twist_per_length / DEG * MM,
+                Some(|middle| middle.twist_per_length / DEG * MM),
+            ),
         ];
         let mut charts = Vec::new();
         for (j, modulus) in self.shear_moduli.iter().enumerate() {
             let mu = short(modulus / MPA);
-            for (stem, label, value) in quantities {
+            for (stem, label, value, of_middle) in quantities {
                 let mut chart =
                     Chart::new(format!("{}, µ = {mu} MPa", self.source.0), "pressure (kPa)", label);
                 for (i, angle) in self.winding_angles.iter().enumerate() {
                     let Some(path) = self.path(i, j) else { continue };
                     let points =
                         path.states.iter().map(|state| (state.pressure / KPA, value(state))).collect();
-                    chart = chart.with(Series::new(format!("{:.0}°", angle / DEG), Mark::Line, points));
+                    let name = format!("{:.0}°", angle / DEG);
+                    let middle: Vec<_> = path
+                        .states
+                        .iter()
+                        .filter_map(|state| Some((state.pressure / KPA, of_middle?(&state.middle?))))
+                        .collect();
+                    let beside = Series::new(format!("{name} mid"), Mark::Dashed, middle).coloured(i);
+                    chart = chart.with(Series::new(name, Mark::Line, points).coloured(i));
+                    if !beside.points.is_empty() {
+                        chart = chart.with(beside);
+                    }
                 }
                 charts.push((format!("{stem}-{mu}-mpa"), chart));
             }
@@ -159,6 +186,8 @@ impl Content for FreeMap {
 trait Reading {
     /// Greatest pressure asked for that every computed path reaches, Pa.
     fn common_pressure(&self) -> f64;
+    /// The fidelity as it is written on the command line.
+    fn computed_by(&self) -> &'static str;
 }
 
 impl Reading for FreeMap {
@@ -166,6 +195,13 @@ impl Reading for FreeMap {
         let reached =
             |pressure: f64| self.paths.iter().flatten().all(|path| state_at(path, pressure).is_some());
         self.pressures.iter().rev().copied().find(|pressure| reached(*pressure)).unwrap_or(0.0)
+    }
+
+    fn computed_by(&self) -> &'static str {
+        match self.fidelity {
+            Fidelity::Section => "section",
+            Fidelity::Solid { .. } => "solid",
+        }
     }
 }
 
@@ -319,6 +355,16 @@ mod tests {
         );
         assert_eq!(map.json()["nodes"][1]["limit_pressure_kpa"], 30.0);
         assert_eq!(map.charts().len(), 4);
+        assert!(!text.contains("mid twist") && map.charts()[0].1.series.len() == 2);
+
+        let solid = samples::solid_map();
+        let text = solid.text(Path::new("a.map"));
+        assert!(text.contains("by solid") && text.contains("mid twist") && text.contains("1.0220"), "{text}");
+        assert_eq!(solid.json()["fidelity"], "solid");
+        let names: Vec<String> =
+            solid.charts()[0].1.series.iter().map(|series| series.name.clone()).collect();
+        assert_eq!(names, ["20°", "20° mid", "70°", "70° mid"]);
+        assert_eq!(solid.charts()[1].1.series.len(), 2);
 
         let module = samples::module_map();
         let text = module.text(Path::new("a.map"));

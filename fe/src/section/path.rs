@@ -309,6 +309,7 @@ impl Path {
             expansion: problem.expansion(&station.state),
             twist_per_length: hand * at.twist_per_length,
             residual: station.residual,
+            middle: None,
         }
     }
 }

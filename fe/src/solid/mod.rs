@@ -13,6 +13,7 @@ mod enclosed_volume;
 mod error;
 mod face_pressure;
 mod fibre;
+mod free_path;
 mod mesh;
 mod newton;
 mod path;
