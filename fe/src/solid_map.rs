@@ -11,8 +11,11 @@ const ALONG: f64 = 0.26;
 const ALONG_FIBRE: f64 = 0.76;
 /// Least number of elements along: the middle fifth of the tube must hold two.
 const LEAST_ALONG: usize = 10;
-/// Least number of elements around; two for each fibre if that is more.
-const LEAST_AROUND: usize = 12;
+/// Least number of elements around; four for each fibre if that is more.
+const LEAST_AROUND: usize = 24;
+/// Elements through the wall. One, with two around for each fibre, costs 2 % of the twist at low pressures, where fibres press into
+/// the wall.
+const RADIAL: usize = 2;
 
 /// How the map of a FREE is computed by solids: whole tubes between rigid caps, each followed from rest through the pressures asked
 /// for, as far as its limit point.
@@ -37,16 +40,16 @@ impl Default for SolidSweep {
 }
 
 impl SolidSweep {
-    /// One element through the wall, two around for each fibre (at least 12), and as many along that an element is no longer than
+    /// Two elements through the wall, four around for each fibre (at least 24 in all, an even number for each), and as many along that an element is no longer than
     /// 0.26 outer radii along the tube and 0.76 along a fibre.
     pub fn usual_mesh(free: &Free) -> SolidMesh {
         let fibres = free.winding.fibres.max(1) as usize;
-        let around = 2 * fibres * LEAST_AROUND.div_ceil(2 * fibres);
+        let around = (2 * fibres * LEAST_AROUND.div_ceil(2 * fibres)).max(4 * fibres);
         let angle = free.winding.angle_from_hoop();
         let longest = free.tube.outer_radius() * ALONG.min(ALONG_FIBRE * angle.sin());
         // In fives, so that nodes lie at the ends of the middle fifth.
         let along = 5 * (free.tube.length / (5.0 * longest)).ceil().min(1e6) as usize;
-        SolidMesh::new(around, along.max(LEAST_ALONG))
+        SolidMesh { radial: RADIAL, ..SolidMesh::new(around, along.max(LEAST_ALONG)) }
     }
 
     /// The mesh of a FREE.
@@ -59,12 +62,17 @@ impl SolidSweep {
         }
     }
 
-    /// The solid that stands for a FREE.
+    /// The solid that stands for a FREE: one sector of it, from one fibre to the next, which under pressure alone moves as the whole
+    /// does as long as that stays straight.
     ///
     /// # Errors
     /// [`SolidError`] where FREE or mesh make no sense.
     pub fn solver(&self, free: &Free) -> Result<SolidSolver, SolidError> {
-        SolidSolver::new(&Specimen::from(free), self.mesh(free))
+        let (specimen, mesh) = (Specimen::from(free), self.mesh(free));
+        match free.winding.fibres {
+            0 | 1 => SolidSolver::new(&specimen, mesh),
+            _ => SolidSolver::sector(&specimen, mesh),
+        }
     }
 
     /// An empty map; see [`crate::FreeSweep::empty_map`].
@@ -99,7 +107,7 @@ impl SolidSweep {
             .collect();
         let bulk_ratio = Specimen::from(free).bulk_ratio;
         format!(
-            "solid between rigid caps, 27-node hexahedra with linear pressure, bulk over shear modulus {bulk_ratio:.0}; elements \
+            "solid between rigid caps, from one fibre to the next, 27-node hexahedra with linear pressure, bulk over shear modulus {bulk_ratio:.0}; elements \
              through the wall, around, along: {}; fibres without width; {} checks, seed {}",
             meshes.join(", "),
             self.checks,
@@ -160,21 +168,24 @@ fn section_limit(free: &Free) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::{FreeSweep, section::tests::free};
-    use actuator::PathEnd;
+    use actuator::{FreeState, PathEnd};
     use std::sync::{
         Mutex,
         atomic::{AtomicBool, Ordering},
     };
 
-    /// 25 mm of the paper's tube.
+    /// 60 mm of the paper's tube: the middle fifth is two diameters from the caps.
     fn short(angle: f64) -> Free {
         let mut free = free(angle);
-        free.tube.length = 25e-3;
+        free.tube.length = 60e-3;
         free
     }
 
+    /// Coarse, for what does not ask for accuracy.
+    const COARSE: SolidSweep = SolidSweep { elements: Some([1, 12, 45]), checks: 1, seed: 3 };
+
     fn path(free: &Free, pressures: &[f64]) -> FreePath {
-        SolidSweep::default().path(free, pressures, &mut || true).unwrap()
+        COARSE.path(free, pressures, &mut || true).unwrap()
     }
 
     #[test]
@@ -182,14 +193,14 @@ mod tests {
         let mut paper = free(30.0);
         paper.tube.length = 130e-3;
         let at = |paper: Free, angle: f64| SolidSweep::usual_mesh(&paper.at(angle.to_radians(), 1.0));
-        assert_eq!(at(paper, 30.0), SolidMesh::new(12, 90));
+        assert_eq!(at(paper, 30.0), SolidMesh { radial: 2, ..SolidMesh::new(24, 90) });
         assert_eq!(at(paper, 80.0), at(paper, 30.0));
         // At 10 deg an edge along the fibre would be 8.4 mm long.
         assert_eq!(at(paper, 10.0).along, 180);
         for fibres in [1, 2, 3, 4, 5, 7, 24] {
             paper.winding.fibres = fibres;
             let around = at(paper, 30.0).around;
-            assert!(around.is_multiple_of(2 * fibres as usize) && (12..=48).contains(&around), "{around}");
+            assert!(around.is_multiple_of(2 * fibres as usize) && (24..=96).contains(&around), "{around}");
         }
         paper.tube.length = 5e-3;
         assert_eq!(at(paper, 89.0).along, 10);
@@ -197,41 +208,40 @@ mod tests {
 
     #[test]
     fn a_path_stops_at_its_greatest_pressure_and_passes_none() {
-        // The closed form of a long tube at 60 deg has its limit at 52.5 kPa; caps 25 mm apart hold it a little longer.
+        // The closed form of a long tube at 60 deg has its limit at 52.5 kPa; caps 60 mm apart hold it longer.
         let free = short(60.0);
-        let path = path(&free, &[0.0, 2e4, 4e4, 4.9e4, 8e4]);
+        let path = path(&free, &[0.0, 2e4, 4e4, 5.1e4, 9e4]);
         assert_eq!(path.end, PathEnd::LimitPoint);
         let limit = path.limit_pressure().unwrap();
         let section = section_limit(&free).unwrap();
-        assert!(limit > section && limit < 1.15 * section, "{limit} against {section}");
+        assert!(limit > section && limit < 1.3 * section, "{limit} against {section}");
         assert!(path.states.windows(2).all(|pair| pair[1].pressure > pair[0].pressure));
         assert!(path.states.iter().all(|state| state.residual < 1e-8));
-        for pressure in [2e4, 4e4, 4.9e4] {
+        for pressure in [2e4, 4e4, 5.1e4] {
             assert!(path.states.iter().any(|state| (state.pressure / pressure - 1.0).abs() < 1e-9));
         }
         // Of all enclosed volumes about the limit point none is in equilibrium with more.
-        let sweep = SolidSweep::default();
-        let mut solver = sweep.solver(&free).unwrap();
+        let mut solver = COARSE.solver(&free).unwrap();
         let rest = solver.rest();
         let mut greatest = 0.0f64;
         let volume = std::f64::consts::PI * free.tube.inner_radius.powi(2) * free.tube.length;
-        let volumes: Vec<f64> = (1..60).map(|i| volume * (1.0 + 0.03 * f64::from(i))).collect();
+        let volumes: Vec<f64> = (1..60).map(|i| volume * (1.0 + 0.05 * f64::from(i))).collect();
         let passed = solver.inflate(&rest, &volumes, &mut |_, state| {
             let falling = state.load().pressure < 0.999 * greatest;
             greatest = greatest.max(state.load().pressure);
             !falling
         });
         assert_eq!(passed.unwrap_err(), SolidError::Stopped);
-        // Steps of 3 % of the volume lie within 1e-3 of the top.
+        // One of the volumes, 5 % of that at rest apart, lies within 1e-3 of the top.
         assert!(limit >= greatest * (1.0 - 1e-9) && limit < 1.001 * greatest, "{limit} against {greatest}");
     }
 
     #[test]
     fn without_a_safe_pressure_the_limit_point_is_found_all_the_same() {
         let free = short(60.0);
-        let limit = path(&free, &[0.0, 8e4]).limit_pressure().unwrap();
-        let mut solver = SolidSweep::default().solver(&free).unwrap();
-        let blind = solver.free_path(&[0.0, 3e4, 8e4], None, &mut || true).unwrap();
+        let limit = path(&free, &[0.0, 9e4]).limit_pressure().unwrap();
+        let mut solver = COARSE.solver(&free).unwrap();
+        let blind = solver.free_path(&[0.0, 3e4, 9e4], None, &mut || true).unwrap();
         assert!((blind.limit_pressure().unwrap() / limit - 1.0).abs() < 1e-4, "{blind:?}");
     }
 
@@ -239,25 +249,40 @@ mod tests {
     fn the_middle_of_a_tube_is_its_section() {
         let free = short(30.0);
         let pressures = [0.0, 2e4, 4e4];
-        let solid = path(&free, &pressures);
+        let solid = SolidSweep::default().path(&free, &pressures, &mut || true).unwrap();
         assert_eq!((solid.end, solid.states.len()), (PathEnd::Range, 3));
         let mut section = SectionSolver::new(&free, FreeSweep::default().mesh).unwrap();
         let section = section.path(&pressures, 0).unwrap();
         for (ours, theirs) in solid.states.iter().zip(&section.states) {
             let middle = ours.middle.unwrap();
             let strain = theirs.axial_stretch - 1.0;
-            assert!((middle.axial_stretch - theirs.axial_stretch).abs() < 5e-3 * strain.abs() + 5e-4);
-            assert!((ours.expansion - theirs.expansion).abs() < 5e-3, "{ours:?} {theirs:?}");
+            // What remains is the mesh, and the width of the section's fibres.
+            assert!((middle.axial_stretch - theirs.axial_stretch).abs() <= 0.005 * strain.abs() + 1e-12);
+            assert!((ours.expansion - theirs.expansion).abs() < 2e-4, "{ours:?} {theirs:?}");
             let twist = theirs.twist_per_length;
             assert!(
-                (middle.twist_per_length - twist).abs() < 0.015 * twist.abs() + 1e-9,
+                (middle.twist_per_length - twist).abs() <= 0.003 * twist.abs() + 1e-12,
                 "{ours:?} {theirs:?}"
             );
         }
-        // The caps hold the tube back.
+        // The caps do not let the ends turn.
         let (last, middle) = (solid.states[2], solid.states[2].middle.unwrap());
-        assert!(last.axial_stretch < middle.axial_stretch);
-        assert!(last.twist_per_length.abs() < middle.twist_per_length.abs());
+        assert!(last.twist_per_length.abs() < 0.99 * middle.twist_per_length.abs());
+    }
+
+    #[test]
+    fn a_sector_stands_for_the_whole() {
+        let mut free = short(30.0);
+        free.tube.length = 20e-3;
+        let sweep = SolidSweep { elements: Some([1, 12, 10]), ..SolidSweep::default() };
+        let sector = sweep.path(&free, &[0.0, 3e4], &mut || true).unwrap().states[1];
+        let mut whole = SolidSolver::new(&Specimen::from(&free), sweep.mesh(&free)).unwrap();
+        assert!(whole.unknowns() > 5 * sweep.solver(&free).unwrap().unknowns());
+        let whole = whole.free_path(&[0.0, 3e4], None, &mut || true).unwrap().states[1];
+        let values = |state: FreeState| [state.axial_stretch, state.expansion, state.twist_per_length];
+        for (a, b) in values(sector).into_iter().zip(values(whole)) {
+            assert!((a - b).abs() < 1e-7 * a.abs(), "{sector:?} {whole:?}");
+        }
     }
 
     #[test]

@@ -27,7 +27,7 @@ use std::{
 /// Of a FREE: stretch, expansion and twist over winding angle, shear modulus and pressure, each path followed to its limit
 /// pressure, above which there is no equilibrium. Of a module: tip poses over the pressures of its FREEs.
 ///
-/// --fidelity solid computes a FREE as a whole tube between its caps, in seconds to minutes a path: stretch and twist are then from
+/// --fidelity solid computes a FREE as a whole tube between its caps, in seconds a path: stretch and twist are then from
 /// cap to cap, those of the middle stand beside them, and a path ends at --pressure-max-kpa if it meets no limit before.
 ///
 /// Ctrl-C keeps what is finished; --resume goes on from there. --shard computes a part, for several machines; `freeact merge`
@@ -79,7 +79,7 @@ pub struct Map {
     #[arg(long, value_enum)]
     fidelity: Option<Fidelity>,
 
-    /// Elements of a solid through the wall, around and along the tube (default: 1, two for each fibre, and as many along as keep
+    /// Elements of a solid through the wall, around and along the tube (default: 2, four for each fibre, and as many along as keep
     /// them well shaped)
     #[arg(long, value_name = "RADIAL,AROUND,ALONG", value_parser = elements)]
     elements: Option<Elements>,
