@@ -222,16 +222,17 @@ mod tests {
         }
         // Of all enclosed volumes about the limit point none is in equilibrium with more.
         let mut solver = COARSE.solver(&free).unwrap();
-        let rest = solver.rest();
-        let mut greatest = 0.0f64;
+        let (mut state, mut greatest) = (solver.rest(), 0.0f64);
         let volume = std::f64::consts::PI * free.tube.inner_radius.powi(2) * free.tube.length;
-        let volumes: Vec<f64> = (1..60).map(|i| volume * (1.0 + 0.05 * f64::from(i))).collect();
-        let passed = solver.inflate(&rest, &volumes, &mut |_, state| {
-            let falling = state.load().pressure < 0.999 * greatest;
+        for i in 1..60 {
+            state =
+                solver.inflate(&state, &[volume * (1.0 + 0.05 * f64::from(i))], &mut |_, _| true).unwrap();
+            if state.load().pressure < 0.999 * greatest {
+                break;
+            }
             greatest = greatest.max(state.load().pressure);
-            !falling
-        });
-        assert_eq!(passed.unwrap_err(), SolidError::Stopped);
+        }
+        assert!(state.load().pressure < greatest, "no limit point was passed");
         // One of the volumes, 5 % of that at rest apart, lies within 1e-3 of the top.
         assert!(limit >= greatest * (1.0 - 1e-9) && limit < 1.001 * greatest, "{limit} against {greatest}");
     }
@@ -247,7 +248,9 @@ mod tests {
 
     #[test]
     fn the_middle_of_a_tube_is_its_section() {
-        let free = short(30.0);
+        let mut free = short(30.0);
+        // What descriptions have; a solid's fibres have no width.
+        free.winding.fibre.diameter = 0.15e-3;
         let pressures = [0.0, 2e4, 4e4];
         let solid = SolidSweep::default().path(&free, &pressures, &mut || true).unwrap();
         assert_eq!((solid.end, solid.states.len()), (PathEnd::Range, 3));
@@ -256,7 +259,7 @@ mod tests {
         for (ours, theirs) in solid.states.iter().zip(&section.states) {
             let middle = ours.middle.unwrap();
             let strain = theirs.axial_stretch - 1.0;
-            // What remains is the mesh, and the width of the section's fibres.
+            // What remains is the mesh, and the width of the section's fibres: 0.3 % of the twist would be twice the width.
             assert!((middle.axial_stretch - theirs.axial_stretch).abs() <= 0.005 * strain.abs() + 1e-12);
             assert!((ours.expansion - theirs.expansion).abs() < 2e-4, "{ours:?} {theirs:?}");
             let twist = theirs.twist_per_length;
