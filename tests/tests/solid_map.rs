@@ -84,7 +84,7 @@ fn a_short_free_from_description_to_model() {
 
     let text = run(folder, "inspect @solid.map --plot @plots").succeeded().stdout;
     assert!(text.contains("by solid") && text.contains("mid twist"), "{text}");
-    let chart = fs::read_to_string(folder.join("plots/twist-0.393-mpa.svg")).expect("a chart");
+    let chart = fs::read_to_string(folder.join("plots/twist-0.3930-mpa.svg")).expect("a chart");
     assert!(chart.contains("30° mid"), "no curve of the middle");
 
     // A model of it is one of the whole, cap to cap.
