@@ -1,3 +1,4 @@
+pub(crate) use crate::free_sweep::next_fraction;
 use crate::{FreeSweepError, FreeSweepReport, PathError, Run, SectionMesh, SectionSolver, Shard, free_sweep};
 use actuator::{Fidelity, Free, FreeMap};
 

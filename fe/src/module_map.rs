@@ -1,6 +1,6 @@
 use crate::{
     Equilibrium, RodError, RodModule, RodSettings, Run, SectionError, SectionLaw, SectionMesh, SectionSolver,
-    SectionTable, Shard, TableError, TableGrid, free_sweep::next_fraction,
+    SectionTable, Shard, TableError, TableGrid, free_map::next_fraction,
 };
 use actuator::{
     Free, FreePath, Handedness, Limits, MapParameter, Module, ModuleCheck, ModuleMap, ModuleState,

@@ -48,7 +48,6 @@ pub fn module_state(pressures: &[f64]) -> ModuleState {
         slopes: vec![payload, stiffness],
         negative_pivots: u32::from(pressures.iter().all(|pressure| *pressure < 1e3)),
         residual: 1e-10,
-        middle: None,
     }
 }
 
@@ -72,7 +71,6 @@ pub fn module_map(pressures: Vec<Vec<f64>>, checks: usize) -> ModuleMap {
         states: Vec::new(),
         checks: Vec::new(),
         limit_pressures: vec![Some(LIMIT); frees],
-        fidelity: Fidelity::Section,
         settings: "analytic".into(),
         source: ("synthetic".into(), "kind = \"module\"\n".into()),
     };
@@ -105,6 +103,7 @@ pub fn free_state(angle: f64, modulus: f64, s: f64) -> FreeState {
         expansion: 1.0 + soft * (0.35 * s * angle.sin() + 0.4 * s * s * s),
         twist_per_length: -soft * (90.0 * s * (2.0 * angle).sin() + 30.0 * s * s * angle.cos()),
         residual: 1e-10,
+        middle: None,
     }
 }
 
@@ -151,6 +150,7 @@ pub fn free_map(
             .collect(),
         winding_angles,
         shear_moduli,
+        fidelity: Fidelity::Section,
         settings: "analytic".into(),
         source: ("synthetic".into(), "kind = \"free\"\n".into()),
     }

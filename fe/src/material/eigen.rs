@@ -43,7 +43,7 @@ mod tests {
     #[test]
     fn vectors_are_orthonormal_and_give_the_matrix_back() {
         let mut state = 5;
-        let mut next = || 2.0 * crate::free_sweep::next_fraction(&mut state) - 1.0;
+        let mut next = || 2.0 * crate::free_map::next_fraction(&mut state) - 1.0;
         for scale in [0.0, 1e-12, 1e-6, 1e-2, 1.0, 1e3] {
             for _ in 0..50 {
                 let random = Matrix3::from_fn(|_, _| next());

@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 /// A number in [-1, 1) that depends on nothing but `index`.
 fn noise(index: usize) -> f64 {
     let mut state = index as u64 + 17;
-    2.0 * crate::free_sweep::next_fraction(&mut state) - 1.0
+    2.0 * crate::free_map::next_fraction(&mut state) - 1.0
 }
 
 fn law() -> ElementLaw {
