@@ -176,6 +176,9 @@ impl Told<'_> {
     }
 }
 
+/// Finds the path of a FREE through pressures.
+type FindPath<'a> = dyn Fn(&Free, &[f64], &mut Told<'_>) -> Result<FreePath, Option<PathError>> + Sync + 'a;
+
 /// Computes the paths of the map (nodes, then checks) that are missing and belong to `shard`, each by `path` in at most
 /// `steps_a_path` steps that it tells of. A path that ends in `Err(None)` was stopped on the way.
 pub(crate) fn fill(
@@ -184,7 +187,7 @@ pub(crate) fn fill(
     shard: Shard,
     (run, steps_a_path): (&Run<'_>, usize),
     checkpoint: &mut dyn FnMut(&FreeMap),
-    path: &(dyn Fn(&Free, &[f64], &mut Told<'_>) -> Result<FreePath, Option<PathError>> + Sync),
+    path: &FindPath<'_>,
 ) -> Result<FreeSweepReport, FreeSweepError> {
     let moduli = map.shear_moduli.len();
     let expected = map.winding_angles.len() * moduli;

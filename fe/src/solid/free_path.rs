@@ -81,10 +81,9 @@ impl SolidSolver {
             found.push(state.clone());
             told()
         });
-        match followed {
-            Err(SolidError::Stopped) => return Err(SolidError::Stopped),
-            // Lost or not: what was found is judged below.
-            Ok(_) | Err(_) => {}
+        // Lost or not: what was found is judged below.
+        if let Err(SolidError::Stopped) = followed {
+            return Err(SolidError::Stopped);
         }
         let mut last = self.station(rest.clone())?;
         if let Some(state) = found.last() {
