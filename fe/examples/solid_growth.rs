@@ -21,7 +21,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         winding: Winding::from_hoop(20f64.to_radians(), Handedness::Right, 6, fibre),
         elastomer: Elastomer::Ogden { shear_modulus: 0.393e6, alpha: 1.2, form: OgdenForm::InitialModulus },
     };
-    println!("mesh          unknowns  set-up s  steps  assembly s  factor s  solve s  one step s  exponent");
+    println!(
+        "mesh          unknowns    GFlop  stored MB  set-up s  steps  assembly s  factor s  solve s  one step s  exponent"
+    );
     let mut before: Option<(f64, f64)> = None;
     for [radial, around, along] in MESHES {
         let start = Instant::now();
@@ -42,9 +44,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let exponent = before.map_or(String::new(), |(n, t): (f64, f64)| {
             format!("{:.2}", (step / t).ln() / (unknowns / n).ln())
         });
+        let (flops, stored) = solver.factorisation_size();
         println!(
-            "{:12}  {unknowns:8}  {set_up:8.3}  {:5}  {assembly:10.3}  {factor:8.3}  {solve:7.3}  {step:10.3}  {exponent:>8}",
+            "{:12}  {unknowns:8}  {:7.2}  {:9.0}  {set_up:8.3}  {:5}  {assembly:10.3}  {factor:8.3}  {solve:7.3}  {step:10.3}  {exponent:>8}",
             format!("{radial}x{around}x{along}"),
+            1e-9 * flops,
+            8e-6 * stored as f64,
             cost.iterations
         );
         before = Some((unknowns, step));

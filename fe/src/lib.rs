@@ -12,7 +12,6 @@ mod section;
 mod section_law;
 mod solid;
 mod solid_map;
-#[allow(dead_code, unused_imports)]
 mod sparse;
 
 pub use closed_form::{ClosedFormError, ThickTube};

@@ -145,7 +145,7 @@ impl SolidSolver {
         self.factorise(held).map_err(|_| lost("a pivot is zero"))?;
         state.volume = self.forces.volume;
         let (_, step) = self.first_order(&state, 1.0, [Vector3::zeros(); 2], Vector3::zeros(), None);
-        let by_pressure: f64 = self.forces.volume_gradient.iter().zip(&step).map(|(a, b)| a * b).sum();
+        let by_pressure: f64 = self.forces.by_pressure.iter().zip(&step).map(|(a, b)| a * b).sum();
         let sectors = self.body.grid.sectors as f64;
         let stable = self.inertia.as_ref().is_some_and(|inertia| inertia.negative == 0);
         Ok(Station { volume: sectors * state.volume, slope: 1.0 / (sectors * by_pressure), stable, state })

@@ -1,7 +1,7 @@
 //! One FREE as a three-dimensional body: 27-node hexahedra with a discontinuous linear pressure, fibres on the outer surface,
 //! rigid caps, and the pressure in the enclosed volume.
-#![allow(dead_code, clippy::large_enum_variant)]
 
+mod assembly;
 mod body;
 mod branch;
 mod critical;
@@ -17,6 +17,7 @@ mod free_path;
 mod mesh;
 mod newton;
 mod path;
+mod scatter;
 mod shape;
 mod specimen;
 mod stability;

@@ -1,6 +1,7 @@
 use super::{
     SolidError, SolidMesh, Specimen,
-    body::{Body, Forces},
+    assembly::Forces,
+    body::Body,
     state::{Motion, SolidLoad, SolidState, motion_of},
 };
 use crate::sparse::{Factorisation, Inertia};
@@ -104,6 +105,11 @@ impl SolidSolver {
     /// Unknowns of the system that is factorised.
     pub fn unknowns(&self) -> usize {
         self.body.pattern.dimension()
+    }
+
+    /// Operations (multiplications and additions) of one factorisation, and numbers that it stores.
+    pub fn factorisation_size(&self) -> (f64, usize) {
+        (self.factorisation.flops(), self.factorisation.stored())
     }
 
     /// What has been spent so far.
@@ -214,7 +220,7 @@ impl SolidSolver {
         held: Option<(&[f64; 6], &[f64])>,
     ) -> (Motion, Vec<f64>) {
         let mut step: Vec<f64> =
-            self.forces.volume_gradient.iter().map(|gradient| by_pressure * gradient).collect();
+            self.forces.by_pressure.iter().map(|gradient| by_pressure * gradient).collect();
         self.body.add_dead_loads(forces, gravity, &mut step);
         if let Some((_, moved)) = held {
             for (value, force) in step.iter_mut().zip(moved) {
@@ -299,7 +305,7 @@ impl SolidSolver {
         let mut right: Vec<f64> = self.forces.condensed.iter().map(|force| -force).collect();
         let dimension = right.len();
         if let Control::Volume(_) = control {
-            right.extend(&self.forces.volume_gradient);
+            right.extend(&self.forces.by_pressure);
         }
         for column in right.chunks_exact_mut(dimension) {
             for direction in (0..6).filter(|&direction| state.load.held[direction]) {
@@ -309,9 +315,8 @@ impl SolidSolver {
         self.substitute(&mut right);
         let mut pressure_step = 0.0;
         if let Control::Volume(_) = control {
-            let along = |step: &[f64]| -> f64 {
-                self.forces.volume_gradient.iter().zip(step).map(|(a, b)| a * b).sum()
-            };
+            let along =
+                |step: &[f64]| -> f64 { self.forces.by_pressure.iter().zip(step).map(|(a, b)| a * b).sum() };
             let (step, slope) = right.split_at_mut(dimension);
             pressure_step = (volume_gap - along(step)) / along(slope);
             for (step, slope) in step.iter_mut().zip(slope) {

@@ -87,6 +87,13 @@ impl SolidSolver {
         volumes: &[f64],
         found: &mut dyn FnMut(f64, &SolidState) -> bool,
     ) -> Result<SolidState, SolidError> {
+        if start.load().open_ends {
+            return Err(SolidError::Invalid {
+                field: "the number of closed ends",
+                value: 0.0,
+                requirement: "to prescribe the enclosed volume, both must be closed: follow the pressure",
+            });
+        }
         let sectors = self.body.grid.sectors as f64;
         let stops: Vec<f64> = volumes.iter().map(|volume| volume / sectors).collect();
         let mut start = start.clone();
@@ -157,8 +164,7 @@ impl SolidSolver {
             Parameter::Volume(_) => {
                 let none = nalgebra::Vector3::zeros();
                 let (mut motion, step) = self.first_order(state, 1.0, [none; 2], none, None);
-                let by_pressure: f64 =
-                    self.forces.volume_gradient.iter().zip(&step).map(|(a, b)| a * b).sum();
+                let by_pressure: f64 = self.forces.by_pressure.iter().zip(&step).map(|(a, b)| a * b).sum();
                 motion.scale(1.0 / by_pressure);
                 Ok((motion, 1.0 / by_pressure, step))
             }

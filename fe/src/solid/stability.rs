@@ -69,12 +69,12 @@ impl SolidSolver {
             .factorise(&self.body.values)
             .map_err(|error| SolidError::Singular(error.to_string()))?;
         self.inertia = Some(inertia);
-        let mut step = self.forces.volume_gradient.clone();
+        let mut step = self.forces.by_pressure.clone();
         for direction in (0..6).filter(|&direction| held[direction]) {
             step[self.body.cap_unknown + direction] = 0.0;
         }
         self.substitute(&mut step);
-        let compliance: f64 = self.forces.volume_gradient.iter().zip(&step).map(|(a, b)| a * b).sum();
+        let compliance: f64 = self.forces.by_pressure.iter().zip(&step).map(|(a, b)| a * b).sum();
         let metric = self.metric(state);
         let modes = lowest_modes(&mut self.factorisation, modes, Some(&metric))
             .into_iter()

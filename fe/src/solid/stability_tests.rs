@@ -75,7 +75,7 @@ fn signs_and_modes_are_those_of_the_dense_tangent() {
         assert!((mode.value - value).abs() < 1e-6 * value.abs() + 1e-9, "{} {value}", mode.value);
     }
     // dV/dp = b.K^-1 b.
-    let mut b = solver.forces.volume_gradient.clone();
+    let mut b = solver.forces.by_pressure.clone();
     for direction in 2..6 {
         b[solver.body.cap_unknown + direction] = 0.0;
     }

@@ -6,6 +6,8 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 pub struct SolidLoad {
     /// Gauge pressure inside, Pa. Under volume control it is an unknown and this is where the search starts.
     pub pressure: f64,
+    /// Whether the pressure acts on the bore only: the ends are sealed by something else than the caps.
+    pub open_ends: bool,
     /// Dead force on the middle of the cap, N.
     pub force: Vector3<f64>,
     /// Moment on the cap, N m, of constant direction in space.
@@ -25,6 +27,7 @@ impl Default for SolidLoad {
     fn default() -> Self {
         SolidLoad {
             pressure: 0.0,
+            open_ends: false,
             force: Vector3::zeros(),
             moment: Vector3::zeros(),
             gravity: Vector3::zeros(),

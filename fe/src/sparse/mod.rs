@@ -11,14 +11,17 @@
 mod factorisation;
 mod fronts;
 mod modes;
-mod ordering;
+pub(crate) mod ordering;
 mod pattern;
 mod solve;
 mod symbolic;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use factorisation::{FactorError, Factorisation, Inertia};
-pub(crate) use modes::{Mode, lowest_modes};
-pub(crate) use ordering::{cheapest, minimum_degree};
+#[cfg(test)]
+pub(crate) use factorisation::FactorError;
+pub(crate) use factorisation::{Factorisation, Inertia};
+#[cfg(test)]
+pub(crate) use modes::Mode;
+pub(crate) use modes::lowest_modes;
 pub(crate) use pattern::{BlockPattern, Place};

@@ -6,7 +6,6 @@ use faer::{Accum, MatMut, MatRef, Par};
 
 use super::factorisation::Factorisation;
 use super::fronts::Front;
-use super::pattern::BlockPattern;
 
 impl Factorisation {
     /// Solves for any number of right-hand sides, one column after the other, in place. Allocates only when there are
@@ -83,29 +82,6 @@ impl Factorisation {
                 solved[unknown as usize] = value;
             }
         }
-    }
-
-    /// One step of iterative refinement: improves a solution of `K x = b` by the solution for its residual, and returns
-    /// the largest entry of the residual `b - K x` that was there before. `residual` is workspace of the same length.
-    pub fn refine(
-        &mut self,
-        pattern: &BlockPattern,
-        values: &[f64],
-        right_hand_side: &[f64],
-        solution: &mut [f64],
-        residual: &mut [f64],
-    ) -> f64 {
-        pattern.multiply_into(values, solution, residual);
-        let mut largest = 0.0_f64;
-        for (residual, &b) in residual.iter_mut().zip(right_hand_side) {
-            *residual = b - *residual;
-            largest = largest.max(residual.abs());
-        }
-        self.solve(residual);
-        for (x, &correction) in solution.iter_mut().zip(&*residual) {
-            *x += correction;
-        }
-        largest
     }
 }
 

@@ -152,6 +152,7 @@ impl Beam {
         (d, force, stiffness, 0.5 * force.dot(&strain))
     }
 
+    #[cfg(test)]
     /// Energy, J.
     pub fn energy(&self, positions: &[[f64; 3]], rotations: &[UnitQuaternion<f64>]) -> Option<f64> {
         let (.., energy) = self.respond(&self.frames(positions, rotations));

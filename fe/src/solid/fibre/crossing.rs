@@ -139,6 +139,7 @@ impl Crossing {
         Some(sum)
     }
 
+    #[cfg(test)]
     /// Energy, J.
     pub fn energy(&self, positions: &[[f64; 3]]) -> Option<f64> {
         let metric = self.samples(positions).map(|y| dot(y, y));

@@ -67,6 +67,7 @@ impl FibreElement {
         }
     }
 
+    #[cfg(test)]
     /// Energy (J) at the positions (m) of all points and the rotations of all nodes that have one, as for
     /// [`FibreElement::evaluate`].
     pub fn energy(&self, positions: &[[f64; 3]], rotations: &[UnitQuaternion<f64>]) -> Option<f64> {

@@ -130,6 +130,7 @@ impl Truss {
         self.law == FibreLaw::TensionOnly && stretch <= 1.0
     }
 
+    #[cfg(test)]
     /// Energy, J.
     pub fn energy(&self, positions: &[[f64; 3]]) -> Option<f64> {
         let positions = self.gather(positions);

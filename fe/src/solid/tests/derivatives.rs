@@ -3,7 +3,8 @@
 use super::{noise, specimen, winding};
 use crate::solid::{
     Coat, SolidLoad, SolidMesh, Specimen,
-    body::{Body, Forces},
+    assembly::Forces,
+    body::Body,
     shape::Shape,
     state::{SolidState, motion_of},
 };
@@ -161,7 +162,7 @@ fn check(mut case: Case) {
     }
     // By force or moment over radius, and by stiffness.
     let scale = base.residual.iter().fold(0.0f64, |most, value| most.max(value.abs()));
-    let volume_scale = base.volume_gradient.iter().fold(0.0f64, |most, value| most.max(value.abs()));
+    let volume_scale = base.by_pressure.iter().fold(0.0f64, |most, value| most.max(value.abs()));
     let mut worst = [0.0f64; 3];
     for unknown in 0..dimension {
         let size = unit(&case, unknown, 1.0)[unknown];
@@ -175,7 +176,7 @@ fn check(mut case: Case) {
         let (plus, minus) = (at(0), at(1));
         let slope = |plus: f64, minus: f64| (plus - minus) / (2.0 * h);
         let force = slope(plus.0.0, minus.0.0) - size * base.residual[unknown];
-        let area = slope(plus.0.1, minus.0.1) - size * base.volume_gradient[unknown];
+        let area = slope(plus.0.1, minus.0.1) - size * base.by_pressure[unknown];
         worst[0] = worst[0].max(force.abs() / scale);
         worst[1] = worst[1].max(area.abs() / volume_scale);
         let stiffest = expected[unknown].iter().fold(0.0f64, |most, force| most.max(force.amax()));

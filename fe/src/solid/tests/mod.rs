@@ -3,6 +3,7 @@
 mod convergence;
 mod derivatives;
 mod objectivity;
+mod open_ends;
 mod patch;
 mod pressures;
 mod problem;

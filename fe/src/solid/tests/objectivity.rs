@@ -1,7 +1,7 @@
 //! The whole turned in space, its cap beyond 180 degrees.
 
 use super::derivatives::Case;
-use crate::solid::body::Forces;
+use crate::solid::assembly::Forces;
 use nalgebra::{UnitQuaternion, Vector3};
 
 #[test]

@@ -1,6 +1,9 @@
 use std::collections::BTreeSet;
 
-use super::super::{BlockPattern, Factorisation, cheapest, minimum_degree};
+use super::super::{
+    BlockPattern, Factorisation,
+    ordering::{cheapest, minimum_degree},
+};
 use super::mixed;
 
 /// Sum of the squared column lengths of the factor and its entries, by elimination of the scalar graph on paper.

@@ -36,11 +36,9 @@ fn stiff_in_bulk_the_residual_stays_at_rounding() {
         factorisation.solve(&mut solution);
         let mut residual = vec![0.0; n];
         let scale = largest(&values) * largest(&solution);
-        for _ in 0..2 {
-            let left = factorisation.refine(&pattern, &values, &right, &mut solution, &mut residual);
-            println!("K/mu {bulk_modulus:.0e}: residual {left:.1e}, in units of |K||x| {:.1e}", left / scale);
-            assert!(left < 1e-14 * scale);
-        }
+        pattern.multiply_into(&values, &solution, &mut residual);
+        let left = residual.iter().zip(&right).fold(0.0_f64, |most, (kx, b)| most.max((b - kx).abs()));
+        assert!(left < 1e-14 * scale, "K/mu {bulk_modulus:.0e}: {left:.1e} of {scale:.1e}");
     }
 }
 
