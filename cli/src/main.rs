@@ -23,6 +23,7 @@ mod shape;
 mod simulated_rig;
 mod solution;
 mod solve_log;
+mod study;
 mod sweep;
 mod table;
 mod tip_model;

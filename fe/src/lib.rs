@@ -28,6 +28,6 @@ pub use section_law::{SectionLaw, SectionResponse};
 pub use solid::{
     Branches, Coat, CriticalKind, CriticalPoint, Deformation, FibreModel, PressureLimit, SolidCost,
     SolidError, SolidLoad, SolidMesh, SolidMode, SolidPath, SolidSolver, SolidState, Specimen, Stability,
-    StrainAt, Strains, write_pvd,
+    StrainAt, StrainFacet, Strains, write_pvd,
 };
 pub use solid_map::SolidSweep;

@@ -10,6 +10,7 @@ mod material;
 mod merge;
 mod predict;
 mod replay;
+mod reproduce;
 mod solve;
 mod track;
 
@@ -30,6 +31,7 @@ pub enum Command {
     Import(import::Import),
     Identify(identify::Identify),
     Material(material::Material),
+    Reproduce(reproduce::Reproduce),
 }
 
 impl Command {
@@ -48,6 +50,7 @@ impl Command {
             Command::Import(import) => import.run(json),
             Command::Identify(identify) => identify.run(json),
             Command::Material(material) => material.run(json),
+            Command::Reproduce(reproduce) => reproduce.run(json),
         }
     }
 }

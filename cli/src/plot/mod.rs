@@ -1,11 +1,13 @@
 //! Charts: lines and points over two axes, as SVG (reports, papers) and PNG (everything else).
 
 mod chart;
+mod field;
 mod font;
 mod mark;
 mod scale;
 mod thin;
 
 pub use chart::Chart;
+pub use field::{Field, Patch};
 pub use mark::{Mark, Series};
 pub use thin::thin;

@@ -55,16 +55,24 @@ impl Page {
 
     /// Charts side by side where the screen is wide enough, each with a sentence under it.
     pub fn figures(&mut self, charts: &[(Chart, String)]) -> Result<(), Failure> {
-        self.body += "<div class=\"figures\">\n";
-        for (chart, caption) in charts {
+        let drawn = charts.iter().map(|(chart, caption)| {
             let svg = chart.inline_svg().map_err(Failure::file)?;
-            let caption = escape(caption);
-            let label = escape(&chart.title);
+            Ok((chart.title.as_str(), svg, caption.as_str()))
+        });
+        let drawn = drawn.collect::<Result<Vec<_>, Failure>>()?;
+        self.drawings(&drawn);
+        Ok(())
+    }
+
+    /// The same for drawings of any kind: title, SVG element, sentence under it.
+    pub fn drawings(&mut self, drawings: &[(&str, String, &str)]) {
+        self.body += "<div class=\"figures\">\n";
+        for (title, svg, caption) in drawings {
+            let (label, caption) = (escape(title), escape(caption));
             let svg = svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{label}\" "), 1);
             self.body += &format!("<figure>\n{svg}<figcaption>{caption}</figcaption></figure>\n");
         }
         self.body += "</div>\n";
-        Ok(())
     }
 
     /// The whole page.

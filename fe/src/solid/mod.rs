@@ -26,6 +26,7 @@ mod stability_tests;
 mod state;
 #[cfg(test)]
 mod tests;
+mod strain_picture;
 mod vtk_xml;
 mod vtu;
 #[cfg(test)]
@@ -42,5 +43,6 @@ pub use path::Parameter as SolidPath;
 pub use specimen::{Coat, FibreModel, Specimen};
 pub use stability::{SolidMode, Stability};
 pub use state::{SolidLoad, SolidState};
+pub use strain_picture::StrainFacet;
 pub use vtk_xml::write_pvd;
 pub use wall::{StrainAt, Strains};

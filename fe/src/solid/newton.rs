@@ -79,7 +79,7 @@ impl SolidSolver {
         let sectors = sectors.ok_or(SolidError::Invalid {
             field: "the number of equal sectors",
             value: 1.0,
-            requirement: "a sector is for an even tube with one family of at least two fibres that the mesh follows",
+            requirement: "a sector is for an even tube, bare or with one family of at least two fibres that the mesh follows",
         })?;
         Self::of(Body::new(specimen, mesh, sectors)?)
     }

@@ -149,11 +149,13 @@ impl Specimen {
         })
     }
 
-    /// Whether a turn by one fibre pitch carries the whole specimen into itself: one family, even wall. The number of pitches.
+    /// Whether a turn by one fibre pitch carries the whole specimen into itself: one family, even wall. The number of pitches; a
+    /// bare tube is the same at every turn, and is cut in six.
     pub(super) fn cyclic_order(&self) -> Option<usize> {
         let even = self.bore_offset == [[0.0; 2]; 2];
         match &self.windings[..] {
             [winding] if even => Some(winding.fibres as usize),
+            [] if even => Some(6),
             _ => None,
         }
     }

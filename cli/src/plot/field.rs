@@ -1,0 +1,221 @@
+use super::{
+    font::{self, FAMILY},
+    scale::{decimals, label, range_of},
+};
+use crate::failure::Failure;
+use plotters::{coord::Shift, prelude::*};
+use std::path::Path;
+
+const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
+const SIZE: (u32, u32) = (760, 460);
+const BAR: (u32, i32, i32) = (120, 52, 400);
+const LABEL: f64 = 15.0;
+
+/// Viridis at equal distances, after Smith and van der Walt: dark to bright also in print without colour.
+const COLOURS: [[f64; 3]; 6] = [
+    [68.0, 1.0, 84.0],
+    [65.0, 68.0, 135.0],
+    [42.0, 120.0, 142.0],
+    [34.0, 168.0, 132.0],
+    [122.0, 209.0, 81.0],
+    [253.0, 231.0, 37.0],
+];
+
+/// A piece of a plane with a value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patch {
+    /// Its corners in their order around it.
+    pub corners: [(f64, f64); 4],
+    /// What its colour tells.
+    pub value: f64,
+}
+
+/// Values over a plane, as colours; a length is the same on both axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    /// Title, one line.
+    pub title: String,
+    /// Label of the horizontal axis, with its unit.
+    pub x_label: String,
+    /// Label of the vertical axis, with its unit.
+    pub y_label: String,
+    /// What the colours tell.
+    pub value_label: String,
+    /// The pieces; later ones hide earlier ones.
+    pub patches: Vec<Patch>,
+}
+
+type Drawn<T> = Result<T, Box<dyn std::error::Error + Send + Sync>>;
+
+/// The colour of a share from 0 to 1.
+fn colour(share: f64) -> RGBColor {
+    let place = share.clamp(0.0, 1.0) * (COLOURS.len() - 1) as f64;
+    let low = (place as usize).min(COLOURS.len() - 2);
+    let part = place - low as f64;
+    let [r, g, b] =
+        std::array::from_fn(|i| (COLOURS[low][i] * (1.0 - part) + COLOURS[low + 1][i] * part).round() as u8);
+    RGBColor(r, g, b)
+}
+
+impl Field {
+    /// A field of nothing.
+    pub fn new(
+        title: impl Into<String>,
+        x_label: impl Into<String>,
+        y_label: impl Into<String>,
+        value_label: impl Into<String>,
+    ) -> Self {
+        let [title, x_label, y_label] = [title.into(), x_label.into(), y_label.into()];
+        Field { title, x_label, y_label, value_label: value_label.into(), patches: vec![] }
+    }
+
+    /// The field as an SVG file's text, on white.
+    pub fn svg(&self) -> Drawn<String> {
+        self.draw_svg(true)
+    }
+
+    /// The field as an SVG element for a report, with ink in the colour of the page.
+    pub fn inline_svg(&self) -> Drawn<String> {
+        let ink = format!("\"#{:02X}{:02X}{:02X}\"", INK.0, INK.1, INK.2);
+        Ok(self.draw_svg(false)?.replace(&ink, "\"currentColor\""))
+    }
+
+    fn draw_svg(&self, on_white: bool) -> Drawn<String> {
+        font::register();
+        let mut text = String::new();
+        let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
+        self.draw(&root, on_white)?;
+        root.present().map_err(|error| error.to_string())?;
+        drop(root);
+        // Between smoothed edges of neighbours the background would shine through.
+        Ok(text.replacen("<svg ", "<svg shape-rendering=\"crispEdges\" ", 1))
+    }
+
+    /// Writes `stem.svg` and `stem.png` into a directory.
+    pub fn write(&self, directory: &Path, stem: &str) -> Result<(), Failure> {
+        let svg = directory.join(format!("{stem}.svg"));
+        crate::output::save(&svg, self.svg().map_err(Failure::file)?.as_bytes())?;
+        let png = directory.join(format!("{stem}.png"));
+        let root = BitMapBackend::new(&png, SIZE).into_drawing_area();
+        let drawn = self.draw(&root, true);
+        let drawn = drawn.and_then(|()| root.present().map_err(|error| error.to_string().into()));
+        drawn.map_err(|error| Failure::file(format!("{}: {error}", png.display())))
+    }
+
+    fn draw<B: DrawingBackend>(&self, root: &DrawingArea<B, Shift>, on_white: bool) -> Drawn<()>
+    where
+        B::ErrorType: 'static,
+    {
+        let drawn = || -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+            if on_white {
+                root.fill(&WHITE)?;
+            }
+            let (plot, bar) = root.split_horizontally(SIZE.0 - BAR.0);
+            self.draw_patches(&plot)?;
+            self.draw_bar(&bar)
+        };
+        drawn().map_err(|error| error.to_string().into())
+    }
+
+    fn draw_patches<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+    ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+        let (margin, below, left) = (12, 46, 74);
+        let (width, height) = area.dim_in_pixel();
+        let inside =
+            [width.saturating_sub(2 * margin + left), height.saturating_sub(2 * margin + below + 28)];
+        let corners = || self.patches.iter().flat_map(|patch| patch.corners);
+        let ranges = [range_of(corners().map(|at| at.0)), range_of(corners().map(|at| at.1))];
+        let unit =
+            ranges.iter().zip(inside).map(|(range, pixels)| (range.end - range.start) / f64::from(pixels));
+        let unit = unit.fold(0.0, f64::max);
+        let [x, y] = [0, 1].map(|axis| {
+            let middle = 0.5 * (ranges[axis].start + ranges[axis].end);
+            let half = 0.5 * unit * f64::from(inside[axis]);
+            middle - half..middle + half
+        });
+        let (x_decimals, y_decimals) = (decimals(&x), decimals(&y));
+        let text = || (FAMILY, LABEL).into_font().color(&INK);
+        let mut chart = ChartBuilder::on(area)
+            .margin(margin)
+            .caption(&self.title, (FAMILY, 19.0).into_font().color(&INK))
+            .x_label_area_size(below)
+            .y_label_area_size(left)
+            .build_cartesian_2d(x, y)?;
+        chart
+            .configure_mesh()
+            .disable_mesh()
+            .x_desc(self.x_label.as_str())
+            .y_desc(self.y_label.as_str())
+            .x_label_formatter(&|value| label(*value, x_decimals))
+            .y_label_formatter(&|value| label(*value, y_decimals))
+            .axis_desc_style(text())
+            .label_style(text())
+            .axis_style(INK)
+            .draw()?;
+        let values = self.values();
+        let share = |value: f64| (value - values.start) / (values.end - values.start);
+        chart.draw_series(
+            self.patches
+                .iter()
+                .map(|patch| Polygon::new(patch.corners.to_vec(), colour(share(patch.value)).filled())),
+        )?;
+        Ok(())
+    }
+
+    /// Least and greatest value.
+    fn values(&self) -> std::ops::Range<f64> {
+        let finite = self.patches.iter().map(|patch| patch.value).filter(|value| value.is_finite());
+        let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        if low < high { low..high } else { 0.0..1.0 }
+    }
+
+    fn draw_bar<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+    ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+        let (_, top, bottom) = BAR;
+        for y in top..bottom {
+            let share = f64::from(bottom - y) / f64::from(bottom - top);
+            area.draw(&Rectangle::new([(4, y), (22, y + 1)], colour(share).filled()))?;
+        }
+        let text = (FAMILY, LABEL).into_font().color(&INK);
+        let values = self.values();
+        let decimals = decimals(&values) + 1;
+        for tick in 0..=5 {
+            let share = f64::from(tick) / 5.0;
+            let value = values.start + share * (values.end - values.start);
+            let y = bottom - (share * f64::from(bottom - top)).round() as i32;
+            area.draw(&Text::new(label(value, decimals), (28, y - 8), text.clone()))?;
+        }
+        let upright = (FAMILY, LABEL).into_font().transform(FontTransform::Rotate90).color(&INK);
+        area.draw(&Text::new(self.value_label.clone(), (104, top + 60), upright))?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_field_is_drawn_with_its_least_and_greatest_value() {
+        let patch =
+            |x: f64, value| Patch { corners: [(x, 0.0), (x + 1.0, 0.0), (x + 1.0, 1.0), (x, 1.0)], value };
+        let field = Field {
+            patches: vec![patch(0.0, 0.125), patch(1.0, 0.875)],
+            ..Field::new("a < b", "x (mm)", "y (mm)", "strain")
+        };
+        let svg = field.svg().unwrap();
+        crate::report::check_tags(&svg);
+        for word in ["0.12", "0.8", "a &lt; b", "strain", "#440154", "#FDE725"] {
+            assert!(svg.contains(word), "{word}");
+        }
+        assert!(field.inline_svg().unwrap().contains("currentColor"));
+        assert!(Field::new("nothing", "", "", "").svg().is_ok());
+        let directory = tempfile::tempdir().unwrap();
+        field.write(directory.path(), "field").unwrap();
+        assert_eq!(&std::fs::read(directory.path().join("field.png")).unwrap()[1..4], b"PNG");
+    }
+}
