@@ -24,9 +24,9 @@ mod stability;
 #[cfg(test)]
 mod stability_tests;
 mod state;
+mod strain_picture;
 #[cfg(test)]
 mod tests;
-mod strain_picture;
 mod vtk_xml;
 mod vtu;
 #[cfg(test)]
