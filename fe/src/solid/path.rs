@@ -1,7 +1,7 @@
 use super::{
     SolidError,
     newton::{Control, Lost, SolidSolver},
-    state::{Motion, SolidLoad, SolidState},
+    state::{Motion, SolidLoad, SolidState, motion_between},
 };
 use nalgebra::{DMatrix, DVector};
 
@@ -210,6 +210,7 @@ impl SolidSolver {
                     Ok((reached, correction)) => {
                         let mut motion = ahead;
                         motion.add(1.0, &correction);
+                        let motion = motion_between(&self.body.grid, &state, &reached, motion);
                         if let Some(last) = passed.last_mut() {
                             last.onwards = Some(motion);
                         }

@@ -1,5 +1,6 @@
 use super::{fibre::Fibres, mesh::Grid};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use std::f64::consts::TAU;
 
 /// What acts on a solid, in the base frame. Its base is clamped; the tip's cap is rigid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -242,6 +243,34 @@ pub(super) fn motion_of(grid: &Grid, state: &SolidState, displacements: &[[f64; 
                 [moved.dot(&outward), moved.dot(&around) / radius, moved.dot(&planes.normals[k])];
         }
     }
+    motion
+}
+
+/// The motion from one configuration to another. `about` is what it is about, summed from steps: it says which of the turns that differ by
+/// 2 pi is meant, and the turns of cap and rotation nodes. Such a sum is not good for an extrapolation: a shift of a plane and the
+/// opposite shift of its points are nothing together, and grow from step to step as rounding errors do that nothing corrects.
+pub(super) fn motion_between(grid: &Grid, from: &SolidState, to: &SolidState, about: Motion) -> Motion {
+    let (planes, moved) = (Planes::new(grid, &from.positions), Planes::new(grid, &to.positions));
+    let each = grid.lines[0] * grid.lines[1];
+    let mut motion = about;
+    for (k, shift) in motion.shifts.iter_mut().enumerate() {
+        *shift = moved.middles[k] - planes.middles[k];
+    }
+    for (point, entry) in motion.points.iter_mut().enumerate() {
+        let k = point / each;
+        let (middle, normal) = (planes.middles[k], planes.normals[k]);
+        let at = Vector3::from(from.positions[point]);
+        let ([outward, around], radius, height) = local_frame(at, middle, normal);
+        let arm = Vector3::from(to.positions[point]) - moved.middles[k];
+        let (x, y) = (arm.dot(&outward), arm.dot(&around));
+        let angle = y.atan2(x);
+        let turns = ((entry[1] - angle) / TAU).round();
+        *entry = [x.hypot(y) - radius, angle + TAU * turns, arm.dot(&normal) - height];
+    }
+    for (change, (new, old)) in motion.pressures.iter_mut().zip(to.pressures.iter().zip(&from.pressures)) {
+        *change = std::array::from_fn(|p| new[p] - old[p]);
+    }
+    motion.cap[0] = to.cap - from.cap;
     motion
 }
 

@@ -2,6 +2,7 @@
 
 mod convergence;
 mod derivatives;
+mod long_path;
 mod objectivity;
 mod open_ends;
 mod patch;
