@@ -1,6 +1,7 @@
 //! The paper's studies, each computed anew: claim, ours, verdict. One study a file; the mechanics are in `fe`.
 
 mod bench;
+mod extension;
 mod findings;
 mod inflated_strain;
 mod report;
@@ -47,7 +48,11 @@ pub const STUDIES: [Study; 11] = [
         title: "Fig. 6: rubber and fibre softer and stiffer",
         compute: Some(stiffness::compute),
     },
-    Study { names: &["fig5", "p7"], title: "Fig. 5: extension without pressure", compute: None },
+    Study {
+        names: &["fig5", "p7"],
+        title: "Fig. 5: extension without pressure",
+        compute: Some(extension::compute),
+    },
     Study { names: &["fig7", "p9"], title: "Fig. 7: softer rubber from 20° to 70°", compute: None },
     Study { names: &["fig8", "fig9", "fig10", "p10"], title: "Figs. 8 to 10: modules", compute: None },
     Study {
