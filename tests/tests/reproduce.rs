@@ -12,7 +12,7 @@ fn run(names: &[&str], out: &Path) -> freeact_tests::Outcome {
 fn studies_leave_a_page_tables_curves_and_states() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let out = folder.path().join("new/results");
-    let outcome = run(&["p1", "fig2", "p8", "--coarse", "--json"], &out).succeeded();
+    let outcome = run(&["p1", "fig2", "fig5", "p8", "--coarse", "--json"], &out).succeeded();
     let value = outcome.json();
     assert_eq!(value["simulated"], true);
     assert_eq!(value["coarse"], true);
@@ -22,7 +22,7 @@ fn studies_leave_a_page_tables_curves_and_states() {
         .iter()
         .flat_map(|s| s["claims"].as_array().expect("claims"))
         .collect();
-    for row in ["P1", "P2", "P4", "P8"] {
+    for row in ["P1", "P2", "P4", "P7", "P8"] {
         assert!(claims.iter().any(|claim| claim["row"] == row), "{row}");
     }
     let summary = fs::read_to_string(out.join("summary.md")).expect("the summary");
