@@ -1,4 +1,4 @@
-//! How the cost of a solid grows with its mesh: one FREE of 20 degrees, L 130, to 5 kPa on finer and finer meshes of the whole tube.
+//! How the cost of a solid grows with its mesh: one FREE of 60 degrees, L 130, to 5 kPa on finer and finer meshes of the whole tube.
 //!
 //! `cargo run --release -p fe --example solid_growth [-- LARGEST_UNKNOWNS]` (default 110,000; 400,000 takes minutes and 6 GB)
 //!
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let fibre = Fibre { axial_stiffness: 644.0, diameter: 0.15e-3, law: FibreLaw::Linear };
     let free = Free {
         tube: Tube { length: 0.13, inner_radius: 4.76e-3, wall: 0.8e-3 },
-        winding: Winding::from_hoop(20f64.to_radians(), Handedness::Right, 6, fibre),
+        winding: Winding::from_hoop(60f64.to_radians(), Handedness::Right, 6, fibre),
         elastomer: Elastomer::Ogden { shear_modulus: 0.393e6, alpha: 1.2, form: OgdenForm::InitialModulus },
     };
     println!(

@@ -1,6 +1,6 @@
 //! One FREE as a solid through rising pressures: what it costs and what it finds, one JSON line as `benches/peers` reads it.
 //!
-//! `cargo run --release -p fe --example solid_speed -- --case 20deg-L130 [--to-kpa 68.9] [--mesh RADIAL,AROUND,ALONG] [--whole]
+//! `cargo run --release -p fe --example solid_speed -- --case 20deg-L130 [--to-kpa 68.9] [--mesh RADIAL,AROUND,ALONG[,UNDER]] [--whole]
 //! [--fibre-diameter-mm 0.15] [--bulk-ratio 1000]`
 //!
 //! Cases: 20deg-L40, 20deg-L130, 20deg-L40-finer, 60deg-L40, bare-L40. Without `--whole` one of the six equal sectors is solved, which gives
@@ -58,10 +58,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut mesh = SolidMesh::new(case.around, case.along);
     if let Some(text) = value("--mesh") {
         let counts: Vec<usize> = text.split(',').map(str::parse).collect::<Result<_, _>>()?;
-        let [radial, around, along] = counts[..] else {
-            return Err("--mesh RADIAL,AROUND,ALONG".into());
+        let (radial, around, along, under_fibre) = match counts[..] {
+            [radial, around, along] => (radial, around, along, 0),
+            [radial, around, along, under] => (radial, around, along, under),
+            _ => return Err("--mesh RADIAL,AROUND,ALONG[,UNDER]".into()),
         };
-        mesh = SolidMesh { radial, ..SolidMesh::new(around, along) };
+        mesh = SolidMesh { radial, under_fibre, ..SolidMesh::new(around, along) };
     }
     let diameter = 1e-3 * number("--fibre-diameter-mm", 0.15)?;
     let fibre = Fibre { axial_stiffness: 644.0, diameter, law: FibreLaw::Linear };
@@ -108,12 +110,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         })
         .collect();
     println!(
-        "{{\"program\": \"freeact\", \"case\": \"{name}\", \"mesh\": \"hex27 {}x{}x{}{}\", \"unknowns\": {}, \
+        "{{\"program\": \"freeact\", \"case\": \"{name}\", \"mesh\": \"hex27 {}x{}x{}{}{}\", \"unknowns\": {}, \
          \"iterations\": {}, \"factorisations\": {}, \"wall_s\": {wall:.3}, \"cpu_s\": {cpu:.3}, \"peak_mb\": {peak:.0}, \
          \"assembly_s\": {:.3}, \"factor_s\": {:.3}, \"solve_s\": {:.3}, \"states\": [{}]}}",
         mesh.around,
         mesh.along,
         mesh.radial,
+        if mesh.under_fibre > 0 {
+            format!(" and {} under each half fibre", mesh.under_fibre)
+        } else {
+            String::new()
+        },
         if whole { "" } else { " one sector of 6" },
         solver.unknowns(),
         cost.iterations,
