@@ -40,7 +40,10 @@ impl Exit {
     fn row(self) -> (u8, &'static str) {
         match self {
             Exit::Done => (0, "done (for `solve` and `track`: every target reached)"),
-            Exit::Disagrees => (1, "done, and the check failed: a replay that differs from its log"),
+            Exit::Disagrees => (
+                1,
+                "done, and the check failed: a replay that differs from its log, a state solved again that differs from its map",
+            ),
             Exit::Usage => (2, "the command line is wrong: unknown flag, missing or impossible value"),
             Exit::Unreachable => (3, "a target is out of reach: the nearest pose was given instead"),
             Exit::Refused => (4, "refused: what was asked for would be wrong or unsafe; the reason is given"),

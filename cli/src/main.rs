@@ -21,6 +21,7 @@ mod report;
 mod run_statistics;
 mod shape;
 mod simulated_rig;
+mod solid_states;
 mod solution;
 mod solve_log;
 mod study;

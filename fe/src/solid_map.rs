@@ -1,8 +1,8 @@
 use crate::{
     FreeSweepError, FreeSweepReport, PathError, Run, SectionMesh, SectionSolver, Shard, SolidError,
-    SolidMesh, SolidSolver, Specimen, free_sweep,
+    SolidMesh, SolidSolver, SolidState, Specimen, free_sweep,
 };
-use actuator::{Fidelity, Free, FreeMap, FreePath, units::DEG};
+use actuator::{Fidelity, Free, FreeMap, FreePath, FreeState, units::DEG};
 
 /// Length of an element along the tube, over the outer radius: 1.45 mm for the paper's tube.
 const ALONG: f64 = 0.26;
@@ -131,7 +131,21 @@ impl SolidSweep {
         pressures: &[f64],
         told: &mut dyn FnMut() -> bool,
     ) -> Result<FreePath, SolidError> {
-        self.solver(free)?.free_path(pressures, section_limit(free), told)
+        self.path_seen(free, pressures, told, &mut |_, _, _| true)
+    }
+
+    /// The same path, its states being shown to `seen` with the solver; see [`SolidSolver::free_path_seen`].
+    ///
+    /// # Errors
+    /// Those of [`SolidSweep::path`].
+    pub fn path_seen<'a>(
+        &self,
+        free: &Free,
+        pressures: &[f64],
+        told: &mut dyn FnMut() -> bool,
+        seen: &'a mut (dyn FnMut(&SolidSolver, &SolidState, &FreeState) -> bool + 'a),
+    ) -> Result<FreePath, SolidError> {
+        self.solver(free)?.free_path_seen(pressures, section_limit(free), told, seen)
     }
 
     /// Computes the paths of the map that are missing and belong to `shard`; see [`crate::FreeSweep::fill`]. Progress is told in
@@ -168,7 +182,7 @@ fn section_limit(free: &Free) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::{FreeSweep, section::tests::free};
-    use actuator::{FreeState, PathEnd};
+    use actuator::PathEnd;
     use std::sync::{
         Mutex,
         atomic::{AtomicBool, Ordering},
@@ -235,6 +249,32 @@ mod tests {
         assert!(state.load().pressure < greatest, "no limit point was passed");
         // One of the volumes, 5 % of that at rest apart, lies within 1e-3 of the top.
         assert!(limit >= greatest * (1.0 - 1e-9) && limit < 1.001 * greatest, "{limit} against {greatest}");
+    }
+
+    #[test]
+    fn the_states_shown_are_those_of_the_path() {
+        // To a limit point, with a pressure that the limit state takes the place of.
+        let free = short(60.0);
+        let limit = path(&free, &[0.0, 9e4]).limit_pressure().unwrap();
+        for pressures in [vec![0.0, 2e4, 4e4], vec![0.0, 4e4, limit * (1.0 - 1e-8), 9e4]] {
+            let mut shown = vec![];
+            let found = COARSE
+                .path_seen(&free, &pressures, &mut || true, &mut |solver, state, report| {
+                    assert_eq!((state.load().pressure, state.residual()), (report.pressure, report.residual));
+                    assert_eq!(solver.deformation(state).stretch_total, report.axial_stretch);
+                    shown.push(*report);
+                    true
+                })
+                .unwrap();
+            assert_eq!((&found.states, &found), (&shown, &path(&free, &pressures)));
+        }
+        // A viewer who has seen enough ends the path.
+        let mut seen = 0;
+        let stopped = COARSE.path_seen(&free, &[0.0, 2e4, 4e4], &mut || true, &mut |_, _, _| {
+            seen += 1;
+            seen < 2
+        });
+        assert_eq!((stopped.unwrap_err(), seen), (SolidError::Stopped, 2));
     }
 
     #[test]

@@ -1,17 +1,28 @@
 use crate::{
-    content,
+    content::{self, Content},
+    exit::Exit,
     failure::{Failure, Outcome},
+    map_file::MapFile,
     output,
+    solid_states::{Choice, SolidStates},
+    values::Values,
 };
-use std::path::PathBuf;
+use actuator::Fidelity;
+use fe::SolidSweep;
+use std::path::{Path, PathBuf};
 
 /// Tell what is in a map, model, recording or description
 ///
 /// The kind is found out from the content, not from the name. Without a flag a table is printed.
+///
+/// A solid map holds no fields: --vtu solves its paths again, checks that the states are the map's and writes them for ParaView
+/// to DIR/ANGLE-deg-MODULUS-mpa: each state's rubber and fibres, and path.pvd to step through them, time being the pressure in
+/// kPa. Of more than four paths a choice is asked for. Ctrl-C leaves complete files only.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   freeact inspect paper.map
   freeact inspect paper.map --csv --out paper.csv
+  freeact inspect solid.map --vtu states --winding-angle 30 --at-kpa 20,40
   freeact inspect data/modules/buffinton-2020-30lr.toml --json")]
 pub struct Inspect {
     /// The file
@@ -33,6 +44,22 @@ pub struct Inspect {
     /// Write charts, as SVG and PNG, into a directory
     #[arg(long, value_name = "DIR")]
     plot: Option<PathBuf>,
+
+    /// Solve the paths of a solid map again and write their states for ParaView (.vtu, .pvd) into a directory
+    #[arg(long, value_name = "DIR")]
+    vtu: Option<PathBuf>,
+
+    /// Winding angles of the paths for --vtu, from the hoop direction, degrees: a list or first:last:step (default: all)
+    #[arg(long, value_name = "DEG", requires = "vtu", allow_hyphen_values = true)]
+    winding_angle: Option<Values>,
+
+    /// Shear moduli of the paths for --vtu (default: all)
+    #[arg(long, value_name = "MPA", requires = "vtu", allow_hyphen_values = true)]
+    shear_modulus_mpa: Option<Values>,
+
+    /// Pressures of the states for --vtu (default: every state)
+    #[arg(long, value_name = "KPA", requires = "vtu", allow_hyphen_values = true)]
+    at_kpa: Option<Values>,
 }
 
 impl Inspect {
@@ -51,7 +78,11 @@ impl Inspect {
                 chart.write(directory, stem)?;
             }
         }
-        let text = if self.csv {
+        let states = match &self.vtu {
+            Some(directory) => Some(self.write_states(content.as_ref(), directory)?),
+            None => None,
+        };
+        let mut text = if self.csv {
             content.csv().ok_or_else(|| {
                 Failure::usage(format!(
                     "{}: --csv applies to maps and recordings only; leave it out for a table",
@@ -59,11 +90,60 @@ impl Inspect {
                 ))
             })?
         } else if json {
-            format!("{:#}\n", content.json())
+            let mut value = content.json();
+            if let Some(states) = &states {
+                value["vtu"] = states.json();
+            }
+            format!("{value:#}\n")
         } else {
             content.text(&self.file)
         };
+        if let Some(states) = &states {
+            match self.csv {
+                // What is printed is data.
+                true => eprint!("{}", states.text()),
+                false if json => {}
+                false => text += &states.text(),
+            }
+        }
         output::write(&text, self.out.as_deref())?;
-        Ok(crate::exit::Exit::Done)
+        for remark in states.iter().flat_map(SolidStates::remarks) {
+            eprintln!("{remark}");
+        }
+        Ok(states.map_or(Exit::Done, |states| states.exit()))
+    }
+
+    fn write_states(&self, content: &dyn Content, directory: &Path) -> Result<SolidStates, Failure> {
+        let file = self.file.display();
+        let (map, elements) = match content.map() {
+            None => {
+                return Err(Failure::usage(format!(
+                    "{file}: --vtu applies to solid maps only; leave it out for a table"
+                )));
+            }
+            Some(MapFile::Module(_)) => {
+                return Err(Failure::refused(format!(
+                    "{file}: --vtu: this is the map of a module, computed by rods; there is no solid model of modules in this \
+                     version, only of single FREEs"
+                )));
+            }
+            Some(MapFile::Free(map)) => match map.fidelity {
+                Fidelity::Solid { elements } => (map, elements),
+                Fidelity::Section => {
+                    return Err(Failure::refused(format!(
+                        "{file}: --vtu: this map is by section, without a tube to show; make one by `freeact map --fidelity solid`"
+                    )));
+                }
+            },
+        };
+        let values = |values: &Option<Values>| values.as_ref().map(|values| values.0.clone());
+        let choice = Choice {
+            winding_angles: values(&self.winding_angle),
+            shear_moduli: values(&self.shear_modulus_mpa),
+            pressures: values(&self.at_kpa),
+        };
+        let sweep = SolidSweep { elements, ..SolidSweep::default() };
+        let wanted = choice.wanted(map).map_err(|failure| failure.about(&self.file))?;
+        SolidStates::write(map, &sweep, &wanted, directory)
     }
 }

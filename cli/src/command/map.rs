@@ -29,6 +29,7 @@ use std::{
 ///
 /// --fidelity solid computes a FREE as a whole tube between its caps, in seconds a path: stretch and twist are then from
 /// cap to cap, those of the middle stand beside them, and a path ends at --pressure-max-kpa if it meets no limit before.
+/// Its states as files for ParaView are written by `freeact inspect M.map --vtu DIR`.
 ///
 /// Ctrl-C keeps what is finished; --resume goes on from there. --shard computes a part, for several machines; `freeact merge`
 /// joins the parts.

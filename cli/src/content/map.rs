@@ -34,6 +34,10 @@ impl Content for MapFile {
     fn charts(&self) -> Vec<(String, Chart)> {
         self.content().charts()
     }
+
+    fn map(&self) -> Option<&MapFile> {
+        Some(self)
+    }
 }
 
 impl MapFile {

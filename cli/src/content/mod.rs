@@ -21,6 +21,10 @@ pub trait Content {
     fn csv(&self) -> Option<String>;
     /// Charts, with the stems of their files.
     fn charts(&self) -> Vec<(String, Chart)>;
+    /// The map, if it is one.
+    fn map(&self) -> Option<&MapFile> {
+        None
+    }
 }
 
 /// Opens a file by what is in it.

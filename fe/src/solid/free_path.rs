@@ -41,6 +41,47 @@ impl Station {
     }
 }
 
+/// Given each state of a path, with the solver that found it and what it comes to; says whether to go on.
+type Seen<'a> = dyn FnMut(&SolidSolver, &SolidState, &FreeState) -> bool + 'a;
+
+/// The path so far. A state is handed out when the next one is known, for until then the limit point may take its place.
+struct Trail<'a> {
+    states: Vec<FreeState>,
+    /// The last state, until it is handed out.
+    last: Option<SolidState>,
+    seen: &'a mut Seen<'a>,
+}
+
+impl Trail<'_> {
+    fn push(&mut self, solver: &SolidSolver, state: &SolidState) -> Result<(), SolidError> {
+        self.hand_out(solver)?;
+        self.states.push(solver.report(state));
+        self.last = Some(state.clone());
+        Ok(())
+    }
+
+    fn pop(&mut self) {
+        self.states.pop();
+        self.last = None;
+    }
+
+    fn pressure(&self) -> f64 {
+        self.states.last().map_or(0.0, |state| state.pressure)
+    }
+
+    fn hand_out(&mut self, solver: &SolidSolver) -> Result<(), SolidError> {
+        match (self.last.take(), self.states.last()) {
+            (Some(state), Some(report)) if !(self.seen)(solver, &state, report) => Err(SolidError::Stopped),
+            _ => Ok(()),
+        }
+    }
+
+    fn end(mut self, solver: &SolidSolver, end: PathEnd) -> Result<FreePath, SolidError> {
+        self.hand_out(solver)?;
+        Ok(FreePath { states: self.states, end })
+    }
+}
+
 /// Volume between two stations at which the cubic through them takes a pressure that lies between theirs.
 fn cubic_root(a: &Station, b: &Station, pressure: f64) -> f64 {
     let h = b.volume - a.volume;
@@ -72,8 +113,24 @@ impl SolidSolver {
         safe_pressure: Option<f64>,
         told: &mut dyn FnMut() -> bool,
     ) -> Result<FreePath, SolidError> {
+        self.free_path_seen(pressures, safe_pressure, told, &mut |_, _, _| true)
+    }
+
+    /// The same path, its states being shown to `seen` as they become certain, that at rest first: with the solver, for fields and
+    /// strains, and with what the path says of them. It, too, says whether to go on.
+    ///
+    /// # Errors
+    /// Those of [`SolidSolver::free_path`].
+    pub fn free_path_seen<'a>(
+        &mut self,
+        pressures: &[f64],
+        safe_pressure: Option<f64>,
+        told: &mut dyn FnMut() -> bool,
+        seen: &'a mut (dyn FnMut(&SolidSolver, &SolidState, &FreeState) -> bool + 'a),
+    ) -> Result<FreePath, SolidError> {
         let rest = self.rest();
-        let mut states = vec![self.report(&rest)];
+        let mut trail = Trail { states: vec![], last: None, seen };
+        trail.push(self, &rest)?;
         let safe = safe_pressure.map_or(f64::INFINITY, |limit| BY_PRESSURE * limit);
         let stops: Vec<f64> = pressures.iter().copied().filter(|p| *p > 0.0 && *p <= safe).collect();
         let mut found = Vec::with_capacity(stops.len());
@@ -90,7 +147,9 @@ impl SolidSolver {
             let station = self.station(state.clone())?;
             // Where no safe pressure is known, Newton's method may have stepped over the limit point to another equilibrium.
             if station.stable && station.slope > 0.0 && (safe.is_finite() || found.len() == stops.len()) {
-                states.extend(found.iter().map(|state| self.report(state)));
+                for state in &found {
+                    trail.push(self, state)?;
+                }
                 last = station;
             }
         }
@@ -110,32 +169,31 @@ impl SolidSolver {
             while let Some(pressure) = wanted.first().copied().filter(|p| *p <= upper.pressure()) {
                 wanted.remove(0);
                 let state = self.at_pressure(&last, upper, pressure)?;
-                states.push(self.report(&state));
+                trail.push(self, &state)?;
                 if !told() {
                     return Err(SolidError::Stopped);
                 }
             }
             // A state that falls on a pressure asked for would be the same again.
-            let pressure = states.last().map_or(0.0, |state| state.pressure);
-            let is_new = upper.pressure() > pressure * (1.0 + 1e-6);
+            let is_new = upper.pressure() > trail.pressure() * (1.0 + 1e-6);
             if let Some(limit) = limit {
                 if !is_new {
-                    states.pop();
+                    trail.pop();
                 }
-                states.push(self.report(&limit.state));
-                return Ok(FreePath { states, end: PathEnd::LimitPoint });
+                trail.push(self, &limit.state)?;
+                return trail.end(self, PathEnd::LimitPoint);
             }
             let report = self.report(&next.state);
             let grown = report.axial_stretch > RANGE || self.deformation(&next.state).bore_mid > RANGE;
             if is_new && !wanted.is_empty() {
-                states.push(report);
+                trail.push(self, &next.state)?;
             }
             if grown {
                 break;
             }
             last = next;
         }
-        Ok(FreePath { states, end: PathEnd::Range })
+        trail.end(self, PathEnd::Range)
     }
 
     fn station(&mut self, mut state: SolidState) -> Result<Station, SolidError> {

@@ -273,6 +273,11 @@ impl SolidSolver {
         rubber(&self.body, state, fields)?.write(out)
     }
 
+    /// Whether there are fibres, which [`SolidSolver::write_fibres_vtu`] would write.
+    pub fn has_fibres(&self) -> bool {
+        !self.body.fibres.elements.is_empty()
+    }
+
     /// Writes the fibres of a state as lines in an unstructured grid of VTK; a bare tube has none and nothing is written:
     /// false.
     ///
