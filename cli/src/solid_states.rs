@@ -336,7 +336,7 @@ impl SolidStates {
                 let strains = &state.strains;
                 let [greatest, least, greatest_mid, least_mid] =
                     [strains.greatest, strains.least, strains.greatest_mid, strains.least_mid]
-                        .map(|strain| format!("{:.4}", strain.log_strain + 0.0));
+                        .map(|strain| format!("{:.4}", (1e4 * strain.log_strain).round() / 1e4 + 0.0));
                 let file = state.files.first().cloned().unwrap_or_default();
                 let pressure = short(state.pressure / KPA);
                 table.row([
