@@ -138,7 +138,8 @@ impl Choice {
             })
             .collect();
         if wanted.iter().all(|wanted| wanted.states.is_empty()) {
-            let of = wanted.iter().max_by_key(|wanted| wanted.path.states.len());
+            let reaches = |wanted: &Wanted<'_>| wanted.path.states.last().map_or(0.0, |state| state.pressure);
+            let of = wanted.iter().max_by(|a, b| reaches(a).total_cmp(&reaches(b)));
             let has = list(of.iter().flat_map(|of| &of.path.states).map(|state| state.pressure / KPA));
             return Err(Failure::usage(format!(
                 "--at-kpa: no path has a state at {} kPa; there are states at {has}",
