@@ -43,7 +43,7 @@ pub fn of(rig: &Rig, directory: &Path) -> Result<Model, Failure> {
 
 /// The map that identification needs; saved as it grows.
 fn map(rig: &Rig, save: &Path) -> Result<MapFile, Failure> {
-    let sweeping = Sweeping { save: Some(save), ..Sweeping::whole() };
+    let sweeping = Sweeping { save: Some((save, sweep::SAVE_EVERY)), ..Sweeping::whole() };
     match &rig.description {
         Description::Free(free) => {
             let sweep = FreeSweep::default();

@@ -10,8 +10,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Time between two savings of an unfinished map.
-const SAVE_EVERY: Duration = Duration::from_secs(3);
+/// Time between two savings of an unfinished map, where none is asked for; `map --help` says the same.
+pub const SAVE_EVERY: Duration = Duration::from_secs(3);
 
 /// What a sweep did.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,8 +29,8 @@ pub struct Sweeping<'a> {
     pub shard: Shard,
     /// Threads.
     pub jobs: usize,
-    /// Where the unfinished map is saved.
-    pub save: Option<&'a Path>,
+    /// Where the unfinished map is saved, and the time between two savings.
+    pub save: Option<(&'a Path, Duration)>,
 }
 
 impl Sweeping<'_> {
@@ -76,18 +76,21 @@ impl Sweeping<'_> {
 
 /// Saves a map now and then; the first failure to do so is kept for the end.
 struct Saver<'a> {
-    path: Option<&'a Path>,
+    save: Option<(&'a Path, Duration)>,
     last: Instant,
     outcome: Result<(), Failure>,
 }
 
 impl<'a> Saver<'a> {
-    fn new(path: Option<&'a Path>) -> Self {
-        Saver { path, last: Instant::now(), outcome: Ok(()) }
+    fn new(save: Option<(&'a Path, Duration)>) -> Self {
+        Saver { save, last: Instant::now(), outcome: Ok(()) }
     }
 
     fn save(&mut self, map: impl FnOnce() -> MapFile) {
-        if let Some(path) = self.path.filter(|_| self.last.elapsed() >= SAVE_EVERY && self.outcome.is_ok()) {
+        if let Some((path, every)) = self.save
+            && self.outcome.is_ok()
+            && self.last.elapsed() >= every
+        {
             self.outcome = map().write(path);
             self.last = Instant::now();
         }

@@ -59,7 +59,7 @@ pub fn measured(name: &str) -> Option<PathBuf> {
 }
 
 /// The program, built once per run of the tests in the profile of the tests.
-fn program() -> &'static Path {
+pub fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(|| {
         // A test runs from target/PROFILE/deps.

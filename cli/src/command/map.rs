@@ -19,7 +19,7 @@ use std::{
     io::{IsTerminal, stderr},
     path::PathBuf,
     str::FromStr,
-    time::Instant,
+    time::{Duration, Instant},
 };
 
 /// Compute a pressure-to-deformation map by finite elements
@@ -93,6 +93,10 @@ pub struct Map {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=4096))]
     jobs: Option<u64>,
 
+    /// Time between two savings of the unfinished map; 0: after each path or row
+    #[arg(long, value_name = "S", value_parser = seconds, default_value = "3", allow_hyphen_values = true)]
+    save_every_s: Duration,
+
     /// Complete the map that is in --out already
     #[arg(long)]
     resume: bool,
@@ -149,6 +153,11 @@ fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+fn seconds(text: &str) -> Result<Duration, String> {
+    let number = text.parse::<f64>().ok().and_then(|number| Duration::try_from_secs_f64(number).ok());
+    number.ok_or_else(|| "must be a number of seconds, zero or more".into())
+}
+
 fn positive_list(text: &str) -> Result<Values, String> {
     let values: Values = text.parse()?;
     match values.0.iter().find(|value| **value <= 0.0) {
@@ -178,7 +187,7 @@ impl Map {
         let plan = self.plan(&rig)?;
         let start = Instant::now();
         let jobs = self.jobs.map_or_else(sweep::processors, |jobs| jobs as usize);
-        let sweeping = Sweeping { shard: self.shard.0, jobs, save: Some(&self.out) };
+        let sweeping = Sweeping { shard: self.shard.0, jobs, save: Some((&self.out, self.save_every_s)) };
         let (mut map, swept) = match plan {
             Plan::Free(sweep, mut map) => {
                 map = self.resumed(MapFile::Free(map))?.into_free()?;
@@ -417,6 +426,7 @@ mod tests {
         assert!(winding_angles("0,20").unwrap_err().contains("0 is not between"));
         assert!(winding_angles("80:10:10").is_err());
         assert_eq!(winding_angles("10:30:10").unwrap().0, [10.0, 20.0, 30.0]);
+        assert!(seconds("-1").is_err() && seconds("nan").is_err() && seconds("0").unwrap().is_zero());
         assert!(positive_list("0.2,-1").is_err() && positive("-5").is_err() && positive("inf").is_err());
     }
 }
