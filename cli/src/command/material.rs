@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 ///
 /// TESTS.csv has the columns mode (uniaxial, equibiaxial or planar), stretch and stress_mpa (nominal: force over undeformed area;
 /// tension positive, compression with stretch below 1 too). All modes are fitted together. What is found is printed with 95 %
-/// intervals and the stretches within which the rubber is stable; into --out go the table [elastomer] for a description
+/// intervals and the stretches within which the rubber is stable; into --out go the table `[elastomer]` for a description
 /// (MODEL.toml) and pictures (MODEL.svg, MODEL.png).
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
