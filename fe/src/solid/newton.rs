@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 
 /// Relative residual, and relative mismatch of volume, at which a state counts as in equilibrium.
 const TOLERANCE: f64 = 1e-9;
-/// A residual below this that a step with a new factorisation does not halve is what rounding leaves, on meshes of 10^5 nodes and more.
-const ROUNDING: f64 = 1e-7;
+/// A residual below this that two steps with new factorisations do not halve is what rounding leaves, on meshes of 10^5 nodes and more.
+const ROUNDING: f64 = 1e-8;
 /// Newton steps to one state.
 const STEPS: usize = 25;
 /// Steps with an old factorisation go on while each leaves at most this share of the error.
@@ -247,13 +247,14 @@ impl SolidSolver {
         let held = state.load.held;
         let mut error = self.assemble(&state, false)?;
         let mut renew = true;
-        let mut rounded = false;
+        let mut stalled = 0;
         for _ in 0..STEPS {
             let volume_gap = match control {
                 Control::Pressure => 0.0,
                 Control::Volume(volume) => volume - self.forces.volume,
             };
-            if (error < TOLERANCE || rounded) && volume_gap.abs() <= TOLERANCE * self.forces.volume.abs() {
+            if (error < TOLERANCE || stalled > 1) && volume_gap.abs() <= TOLERANCE * self.forces.volume.abs()
+            {
                 state.residual = error;
                 state.energy = self.forces.energy;
                 state.volume = self.forces.volume;
@@ -293,7 +294,9 @@ impl SolidSolver {
                     }
                     total.add(share, &step);
                     state = next;
-                    rounded = renew && error < ROUNDING && found > 0.5 * error;
+                    if renew {
+                        stalled = if error < ROUNDING && found > 0.5 * error { stalled + 1 } else { 0 };
+                    }
                     renew = false;
                     error = found;
                 }
