@@ -7,8 +7,6 @@ mod branch;
 mod critical;
 mod deformation;
 mod element;
-#[cfg(test)]
-mod element_tests;
 mod enclosed_volume;
 mod error;
 mod face_pressure;
@@ -21,16 +19,12 @@ mod scatter;
 mod shape;
 mod specimen;
 mod stability;
-#[cfg(test)]
-mod stability_tests;
 mod state;
 mod strain_picture;
 #[cfg(test)]
 mod tests;
 mod vtk_xml;
 mod vtu;
-#[cfg(test)]
-mod vtu_tests;
 mod wall;
 
 pub use branch::Branches;

@@ -1,13 +1,16 @@
-//! Tests of the solid as a whole: patches, derivatives, objectivity, orders of convergence, pressures.
+//! Tests of the solid: element, patches, derivatives, objectivity, orders of convergence, pressures, paths, stability, output.
 
 mod convergence;
 mod derivatives;
+mod element;
 mod long_path;
 mod objectivity;
 mod open_ends;
 mod patch;
 mod pressures;
 mod problem;
+mod stability;
+mod vtu;
 
 use super::Specimen;
 use actuator::{Elastomer, Fibre, FibreLaw, Free, Handedness, OgdenForm, Tube, Winding};

@@ -1,4 +1,4 @@
-use super::{
+use crate::solid::{
     Specimen,
     body::Body,
     mesh::SolidMesh,

@@ -1,6 +1,6 @@
 //! Stability: against dense eigenvalues, Euler's column, limit pressures, and branches that cross.
 
-use super::*;
+use crate::solid::*;
 use crate::sparse::BlockPattern;
 use actuator::{Elastomer, Fibre, FibreLaw, Free, Handedness, OgdenForm, Tube, Winding};
 use nalgebra::{DMatrix, SymmetricEigen, Vector3};

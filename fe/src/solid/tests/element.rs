@@ -1,6 +1,6 @@
-use super::element::{Condensation, ElementLaw, UNKNOWNS, Workspace};
-use super::shape::{NODES, Shape};
 use crate::material::Rubber;
+use crate::solid::element::{Condensation, ElementLaw, UNKNOWNS, Workspace};
+use crate::solid::shape::{NODES, Shape};
 use actuator::{Elastomer, OgdenForm};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
