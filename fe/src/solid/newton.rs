@@ -245,14 +245,16 @@ impl SolidSolver {
         let mut state = guess;
         let mut total = Motion::none(&state, self.body.grid.lines[2]);
         let held = state.load.held;
+        let gap = |forces: &Forces| match control {
+            Control::Pressure => 0.0,
+            Control::Volume(volume) => volume - forces.volume,
+        };
         let mut error = self.assemble(&state, false)?;
+        // Kept with the state: after a step that was not taken, the sums assembled last are those of its trial.
+        let mut volume_gap = gap(&self.forces);
         let mut renew = true;
         let mut stalled = 0;
         for _ in 0..STEPS {
-            let volume_gap = match control {
-                Control::Pressure => 0.0,
-                Control::Volume(volume) => volume - self.forces.volume,
-            };
             if (error < TOLERANCE || stalled > 1) && volume_gap.abs() <= TOLERANCE * self.forces.volume.abs()
             {
                 state.residual = error;
@@ -270,7 +272,9 @@ impl SolidSolver {
             let tries = if renew { 6 } else { 1 };
             let mut share = 1.0;
             let mut best: Option<(f64, SolidState, f64)> = None;
+            let mut last_share = share;
             for _ in 0..tries {
+                last_share = share;
                 let mut motion = Motion::none(&state, self.body.grid.lines[2]);
                 motion.add(share, &step);
                 let mut trial = self.moved(&state, &motion);
@@ -288,10 +292,11 @@ impl SolidSolver {
             }
             match best {
                 Some((found, next, share)) if renew || found < CHORD_SHARE * error => {
-                    if share < 1.0 {
-                        // The last trial assembled need not be the best one.
+                    if share != last_share {
+                        // The last trial assembled is not the best one.
                         self.assemble(&next, false)?;
                     }
+                    volume_gap = gap(&self.forces);
                     total.add(share, &step);
                     state = next;
                     if renew {
