@@ -30,6 +30,11 @@ impl Outcome {
         self
     }
 
+    /// Standard error without the breaks that wrap it for a terminal.
+    pub fn message(&self) -> String {
+        self.stderr.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ")
+    }
+
     /// Standard output as JSON.
     #[track_caller]
     pub fn json(&self) -> serde_json::Value {
@@ -43,6 +48,22 @@ impl Outcome {
 /// The folder of the project.
 pub fn project() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().map_or_else(PathBuf::new, Path::to_owned)
+}
+
+/// Writes the paper's FREE, `length_mm` long, as `free.toml` into a folder.
+pub fn describe_free(folder: &Path, length_mm: f64) {
+    let text = fs::read_to_string(data("actuators/buffinton-2020.toml")).expect("the paper's FREE");
+    assert!(text.contains("length_mm = 130.0"));
+    let text = text.replace("length_mm = 130.0", &format!("length_mm = {length_mm:.1}"));
+    fs::write(folder.join("free.toml"), text).expect("writes");
+}
+
+/// Runs a line, whose words with an @ are files of the folder.
+pub fn freeact_in(folder: &Path, line: &str) -> Outcome {
+    freeact(line.split_whitespace().map(|word| match word.strip_prefix('@') {
+        Some(name) => folder.join(name).into_os_string(),
+        None => word.into(),
+    }))
 }
 
 /// A file below the folder `data` of the project.

@@ -1,31 +1,13 @@
 //! Maps of a single FREE by solids: a short tube from description to model, in parts and at once.
 
-use freeact_tests::{Outcome, Table, data, freeact};
+use freeact_tests::{Table, data, describe_free, freeact_in};
 use std::{fs, path::Path};
 
-/// The paper's FREE, 60 mm long.
-fn describe(folder: &Path) {
-    let text = fs::read_to_string(data("actuators/buffinton-2020.toml")).expect("the paper's FREE");
-    assert!(text.contains("length_mm = 130.0"));
-    fs::write(folder.join("free.toml"), text.replace("length_mm = 130.0", "length_mm = 60.0"))
-        .expect("writes");
-}
-
-/// Runs a line, whose words with an @ are files of the folder.
-fn run(folder: &Path, line: &str) -> Outcome {
-    freeact(line.split_whitespace().map(|word| match word.strip_prefix('@') {
-        Some(name) => folder.join(name).into_os_string(),
-        None => word.into(),
-    }))
-}
-
-/// Standard error without the breaks that wrap it for a terminal.
-fn message(outcome: &Outcome) -> String {
-    outcome.stderr.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ")
-}
+/// Of the FREE, mm.
+const LENGTH: f64 = 60.0;
 
 fn csv(folder: &Path, map: &str) -> Table {
-    Table::parse(&run(folder, &format!("inspect @{map} --csv")).succeeded().stdout)
+    Table::parse(&freeact_in(folder, &format!("inspect @{map} --csv")).succeeded().stdout)
 }
 
 const AXES: &str =
@@ -35,9 +17,10 @@ const AXES: &str =
 fn a_short_free_from_description_to_model() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let folder = folder.path();
-    describe(folder);
-    let whole =
-        run(folder, &format!("map {AXES} --fidelity solid --out @solid.map --json")).succeeded().json();
+    describe_free(folder, LENGTH);
+    let whole = freeact_in(folder, &format!("map {AXES} --fidelity solid --out @solid.map --json"))
+        .succeeded()
+        .json();
     assert_eq!((&whole["fidelity"], &whole["computed"]), (&"solid".into(), &2.into()), "{whole}");
     assert!(whole["worst_residual"].as_f64().expect("a number") < 1e-8);
     // 60 mm in elements of 0.26 outer radii.
@@ -45,19 +28,20 @@ fn a_short_free_from_description_to_model() {
 
     // In two parts, one of them going on with what the other has left.
     for part in 1..=2 {
-        let outcome = run(folder, &format!("map {AXES} --fidelity solid --shard {part}/2 --out @{part}.map"));
+        let outcome =
+            freeact_in(folder, &format!("map {AXES} --fidelity solid --shard {part}/2 --out @{part}.map"));
         assert_eq!(outcome.code, 0, "{outcome:?}");
     }
-    run(folder, "merge @1.map @2.map --out @merged.map").succeeded();
-    run(folder, &format!("map {AXES} --fidelity solid --resume --out @1.map")).succeeded();
+    freeact_in(folder, "merge @1.map @2.map --out @merged.map").succeeded();
+    freeact_in(folder, &format!("map {AXES} --fidelity solid --resume --out @1.map")).succeeded();
     let bytes = |name: &str| fs::read(folder.join(name)).expect(name);
     assert!(bytes("merged.map") == bytes("solid.map"), "the merged map differs");
     assert!(bytes("1.map") == bytes("solid.map"), "the resumed map differs");
-    let refused = run(folder, &format!("map {AXES} --resume --out @1.map"));
-    assert!(refused.code == 4 && message(&refused).contains("the fidelities differ"), "{refused:?}");
+    let refused = freeact_in(folder, &format!("map {AXES} --resume --out @1.map"));
+    assert!(refused.code == 4 && refused.message().contains("the fidelities differ"), "{refused:?}");
 
     // The middle is as the section far from caps; the bounds are those asked of solids and sections.
-    run(folder, &format!("map {AXES} --out @section.map")).succeeded();
+    freeact_in(folder, &format!("map {AXES} --out @section.map")).succeeded();
     let (solid, section) = (csv(folder, "solid.map"), csv(folder, "section.map"));
     assert_eq!(
         solid.columns.join(","),
@@ -82,15 +66,15 @@ fn a_short_free_from_description_to_model() {
     }
     assert_eq!(compared, 10);
 
-    let text = run(folder, "inspect @solid.map --plot @plots").succeeded().stdout;
+    let text = freeact_in(folder, "inspect @solid.map --plot @plots").succeeded().stdout;
     assert!(text.contains("by solid") && text.contains("mid twist"), "{text}");
     let chart = fs::read_to_string(folder.join("plots/twist-0.3930-mpa.svg")).expect("a chart");
     assert!(chart.contains("30° mid"), "no curve of the middle");
 
     // A model of it is one of the whole, cap to cap.
-    run(folder, "fit @solid.map --out @solid.model").succeeded();
+    freeact_in(folder, "fit @solid.map --out @solid.model").succeeded();
     fs::write(folder.join("p.csv"), "p1_kpa,winding_angle_deg\n30,30\n30,60\n").expect("writes");
-    run(folder, "predict --model @solid.model --pressures @p.csv --out @predicted.csv").succeeded();
+    freeact_in(folder, "predict --model @solid.model --pressures @p.csv --out @predicted.csv").succeeded();
     let predicted = Table::read(&folder.join("predicted.csv"));
     for row in &predicted.rows {
         let node = solid.rows.iter().find(|node| {
@@ -112,7 +96,7 @@ fn a_short_free_from_description_to_model() {
 fn solids_that_cannot_be_are_refused_in_words() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let folder = folder.path();
-    describe(folder);
+    describe_free(folder, LENGTH);
     let module = data("modules/buffinton-2020-30lr.toml");
     fs::copy(module, folder.join("module.toml")).expect("copies");
     let cases = [
@@ -124,8 +108,8 @@ fn solids_that_cannot_be_are_refused_in_words() {
         ("--of @free.toml --fidelity solid --winding-angles 0", 2, "not between 1 and 89.5"),
     ];
     for (line, code, words) in cases {
-        let outcome = run(folder, &format!("map {line} --out @x.map"));
-        assert!(outcome.code == code && message(&outcome).contains(words), "{line}: {outcome:?}");
+        let outcome = freeact_in(folder, &format!("map {line} --out @x.map"));
+        assert!(outcome.code == code && outcome.message().contains(words), "{line}: {outcome:?}");
         assert!(!folder.join("x.map").exists(), "{line}: a map was left");
     }
 }

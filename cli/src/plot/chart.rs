@@ -1,5 +1,6 @@
 use super::{
-    font::{self, FAMILY},
+    drawing::{self, Drawing, Drawn, SIZE},
+    font::FAMILY,
     mark::{Mark, PALETTE, Series},
     scale::{TICKS, decimals, label, range_of},
 };
@@ -13,7 +14,6 @@ const GRID: RGBColor = RGBColor(0xDD, 0xDD, 0xDD);
 
 const TITLE: f64 = 19.0;
 const LABEL: f64 = 15.0;
-const SIZE: (u32, u32) = (760, 460);
 
 /// A chart of series over two axes.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,54 +30,7 @@ pub struct Chart {
     pub equal_axes: bool,
 }
 
-type Drawn<T> = Result<T, Box<dyn std::error::Error + Send + Sync>>;
-
-impl Chart {
-    /// An empty chart.
-    pub fn new(title: impl Into<String>, x_label: impl Into<String>, y_label: impl Into<String>) -> Self {
-        let [title, x_label, y_label] = [title.into(), x_label.into(), y_label.into()];
-        Chart { title, x_label, y_label, series: Vec::new(), equal_axes: false }
-    }
-
-    /// Adds a series.
-    pub fn with(mut self, series: Series) -> Self {
-        self.series.push(series);
-        self
-    }
-
-    /// The chart as an SVG file's text, on white.
-    pub fn svg(&self) -> Drawn<String> {
-        self.draw_svg(true)
-    }
-
-    /// The chart as an SVG element for a report: no background, ink and grid in the colours of the page.
-    pub fn inline_svg(&self) -> Drawn<String> {
-        let hex = |colour: RGBColor| format!("\"#{:02X}{:02X}{:02X}\"", colour.0, colour.1, colour.2);
-        let svg = self.draw_svg(false)?;
-        Ok(svg.replace(&hex(INK), "\"currentColor\"").replace(&hex(GRID), "\"var(--grid)\""))
-    }
-
-    fn draw_svg(&self, on_white: bool) -> Drawn<String> {
-        font::register();
-        let mut text = String::new();
-        let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-        self.draw(&root, on_white)?;
-        root.present().map_err(|error| error.to_string())?;
-        drop(root);
-        Ok(text)
-    }
-
-    /// Writes `stem.svg` and `stem.png` into a directory.
-    pub fn write(&self, directory: &Path, stem: &str) -> Result<(), Failure> {
-        let svg = directory.join(format!("{stem}.svg"));
-        crate::output::save(&svg, self.svg().map_err(Failure::file)?.as_bytes())?;
-        let png = directory.join(format!("{stem}.png"));
-        let root = BitMapBackend::new(&png, SIZE).into_drawing_area();
-        let drawn = self.draw(&root, true);
-        let drawn = drawn.and_then(|()| root.present().map_err(|error| error.to_string().into()));
-        drawn.map_err(|error| Failure::file(format!("{}: {error}", png.display())))
-    }
-
+impl Drawing for Chart {
     fn draw<B: DrawingBackend>(&self, root: &DrawingArea<B, Shift>, on_white: bool) -> Drawn<()>
     where
         B::ErrorType: 'static,
@@ -94,6 +47,37 @@ impl Chart {
             }
         };
         drawn().map_err(|error| error.to_string().into())
+    }
+}
+
+impl Chart {
+    /// An empty chart.
+    pub fn new(title: impl Into<String>, x_label: impl Into<String>, y_label: impl Into<String>) -> Self {
+        let [title, x_label, y_label] = [title.into(), x_label.into(), y_label.into()];
+        Chart { title, x_label, y_label, series: Vec::new(), equal_axes: false }
+    }
+
+    /// Adds a series.
+    pub fn with(mut self, series: Series) -> Self {
+        self.series.push(series);
+        self
+    }
+
+    /// The chart as an SVG file's text, on white.
+    pub fn svg(&self) -> Drawn<String> {
+        drawing::svg(self, true)
+    }
+
+    /// The chart as an SVG element for a report: no background, ink and grid in the colours of the page.
+    pub fn inline_svg(&self) -> Drawn<String> {
+        let hex = |colour: RGBColor| format!("\"#{:02X}{:02X}{:02X}\"", colour.0, colour.1, colour.2);
+        let svg = drawing::svg(self, false)?;
+        Ok(svg.replace(&hex(INK), "\"currentColor\"").replace(&hex(GRID), "\"var(--grid)\""))
+    }
+
+    /// Writes `stem.svg` and `stem.png` into a directory.
+    pub fn write(&self, directory: &Path, stem: &str) -> Result<(), Failure> {
+        drawing::write(self, self.svg(), directory, stem)
     }
 
     /// The area of the plot and that of the legend, where there is something to tell.

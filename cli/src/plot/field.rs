@@ -1,5 +1,6 @@
 use super::{
-    font::{self, FAMILY},
+    drawing::{self, Drawing, Drawn, SIZE},
+    font::FAMILY,
     scale::{decimals, label, range_of},
 };
 use crate::failure::Failure;
@@ -7,7 +8,6 @@ use plotters::{coord::Shift, prelude::*};
 use std::path::Path;
 
 const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
-const SIZE: (u32, u32) = (760, 460);
 const BAR: (u32, i32, i32) = (120, 52, 400);
 const LABEL: f64 = 15.0;
 
@@ -45,8 +45,6 @@ pub struct Field {
     pub patches: Vec<Patch>,
 }
 
-type Drawn<T> = Result<T, Box<dyn std::error::Error + Send + Sync>>;
-
 /// The colour of a share from 0 to 1.
 fn colour(share: f64) -> RGBColor {
     let place = share.clamp(0.0, 1.0) * (COLOURS.len() - 1) as f64;
@@ -55,6 +53,23 @@ fn colour(share: f64) -> RGBColor {
     let [r, g, b] =
         std::array::from_fn(|i| (COLOURS[low][i] * (1.0 - part) + COLOURS[low + 1][i] * part).round() as u8);
     RGBColor(r, g, b)
+}
+
+impl Drawing for Field {
+    fn draw<B: DrawingBackend>(&self, root: &DrawingArea<B, Shift>, on_white: bool) -> Drawn<()>
+    where
+        B::ErrorType: 'static,
+    {
+        let drawn = || -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+            if on_white {
+                root.fill(&WHITE)?;
+            }
+            let (plot, bar) = root.split_horizontally(SIZE.0 - BAR.0);
+            self.draw_patches(&plot)?;
+            self.draw_bar(&bar)
+        };
+        drawn().map_err(|error| error.to_string().into())
+    }
 }
 
 impl Field {
@@ -81,40 +96,13 @@ impl Field {
     }
 
     fn draw_svg(&self, on_white: bool) -> Drawn<String> {
-        font::register();
-        let mut text = String::new();
-        let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-        self.draw(&root, on_white)?;
-        root.present().map_err(|error| error.to_string())?;
-        drop(root);
         // Between smoothed edges of neighbours the background would shine through.
-        Ok(text.replacen("<svg ", "<svg shape-rendering=\"crispEdges\" ", 1))
+        Ok(drawing::svg(self, on_white)?.replacen("<svg ", "<svg shape-rendering=\"crispEdges\" ", 1))
     }
 
     /// Writes `stem.svg` and `stem.png` into a directory.
     pub fn write(&self, directory: &Path, stem: &str) -> Result<(), Failure> {
-        let svg = directory.join(format!("{stem}.svg"));
-        crate::output::save(&svg, self.svg().map_err(Failure::file)?.as_bytes())?;
-        let png = directory.join(format!("{stem}.png"));
-        let root = BitMapBackend::new(&png, SIZE).into_drawing_area();
-        let drawn = self.draw(&root, true);
-        let drawn = drawn.and_then(|()| root.present().map_err(|error| error.to_string().into()));
-        drawn.map_err(|error| Failure::file(format!("{}: {error}", png.display())))
-    }
-
-    fn draw<B: DrawingBackend>(&self, root: &DrawingArea<B, Shift>, on_white: bool) -> Drawn<()>
-    where
-        B::ErrorType: 'static,
-    {
-        let drawn = || -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
-            if on_white {
-                root.fill(&WHITE)?;
-            }
-            let (plot, bar) = root.split_horizontally(SIZE.0 - BAR.0);
-            self.draw_patches(&plot)?;
-            self.draw_bar(&bar)
-        };
-        drawn().map_err(|error| error.to_string().into())
+        drawing::write(self, self.svg(), directory, stem)
     }
 
     fn draw_patches<B: DrawingBackend>(
