@@ -1,4 +1,4 @@
-use crate::Free;
+use crate::{FreeParameter, FreePath, LoadedFree, MapAxis, ParameterError};
 use serde::{Deserialize, Serialize};
 
 /// What computed the states of a FREE's map.
@@ -11,77 +11,24 @@ pub enum Fidelity {
         /// Elements through the wall, around and along, where they were given; `None` = by the rule that the map's settings tell.
         elements: Option<[u32; 3]>,
     },
+    /// The cross-section, and what caps at the FREE's length change of it, from solids.
+    CappedSection,
 }
 
-/// What a solid's middle does, beside what the whole does from cap to cap.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Middle {
-    /// Axial stretch over the middle fifth of the length.
-    pub axial_stretch: f64,
-    /// Twist per reference length there, rad/m.
-    pub twist_per_length: f64,
-}
-
-/// A converged state of a FREE under gauge pressure: of a section, far from the caps; of a solid, from cap to cap.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FreeState {
-    /// Gauge pressure, Pa.
-    pub pressure: f64,
-    /// Axial stretch lambda; of a solid, the distance of its caps over that at rest.
-    pub axial_stretch: f64,
-    /// Expansion b/B, with b the outer radius of equal area; of a solid, over the middle fifth of its length.
-    pub expansion: f64,
-    /// Twist per reference length, rad/m; sign of the FREE's own hand.
-    pub twist_per_length: f64,
-    /// Relative residual of the equilibrium, the state's evidence of convergence.
-    pub residual: f64,
-    /// Of a solid, what its middle does; `None` for a section, which is a middle.
-    pub middle: Option<Middle>,
-}
-
-/// Why a pressure path has no state above its last one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum PathEnd {
-    /// A limit point: the pressure cannot rise further. The last state of the path is the limit state.
-    LimitPoint,
-    /// The path was followed as far as the pressure (or deformation) asked for, and no limit point was met.
-    Range,
-}
-
-/// The states of one FREE from zero pressure up.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FreePath {
-    /// States by rising pressure; the first is at zero, the last is where the path ends.
-    pub states: Vec<FreeState>,
-    /// What the end is.
-    pub end: PathEnd,
-}
-
-impl FreePath {
-    /// Limit pressure, Pa, where one was met.
-    pub fn limit_pressure(&self) -> Option<f64> {
-        match self.end {
-            PathEnd::LimitPoint => self.states.last().map(|state| state.pressure),
-            PathEnd::Range => None,
-        }
-    }
-}
-
-/// Pressure-to-deformation map of a FREE over winding angle and shear modulus.
+/// Pressure-to-deformation map of a FREE over winding angle, shear modulus and whatever else was asked for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FreeMap {
-    /// The FREE; its own angle and modulus are one point of the axes' space.
-    pub free: Free,
-    /// Winding angles from the hoop, rad, rising.
-    pub winding_angles: Vec<f64>,
-    /// Shear moduli, Pa, rising.
-    pub shear_moduli: Vec<f64>,
+    /// The FREE and its loads; its own values of the axes' parameters are one point of the axes' space.
+    pub node: LoadedFree,
+    /// Axes beside pressure, each with at least one value. The last two are the winding angle and the shear modulus; before them
+    /// stand those asked for by name, which have at least two values.
+    pub axes: Vec<MapAxis>,
     /// Pressures asked for, Pa, rising from zero. Paths hold these (as far as they exist) and further states up to their end.
     pub pressures: Vec<f64>,
-    /// Paths, angle by angle, modulus fastest; `None` = not computed yet or not converged.
+    /// Paths over the axes, the last axis fastest; `None` = not computed yet or not converged.
     pub paths: Vec<Option<FreePath>>,
-    /// Paths at angles and moduli between the nodes, for the fit to be judged by and never to be fitted.
-    pub checks: Vec<(Free, FreePath)>,
+    /// Paths between the nodes, for the fit to be judged by and never to be fitted.
+    pub checks: Vec<(LoadedFree, FreePath)>,
     /// What computed it.
     pub fidelity: Fidelity,
     /// Settings of the finite elements, in words.
@@ -91,9 +38,57 @@ pub struct FreeMap {
 }
 
 impl FreeMap {
-    /// The path at node (angle `i`, modulus `j`).
+    /// Winding angles from the hoop, rad, rising.
+    pub fn winding_angles(&self) -> &[f64] {
+        self.values(FreeParameter::WindingAngle)
+    }
+
+    /// Shear moduli, Pa, rising.
+    pub fn shear_moduli(&self) -> &[f64] {
+        self.values(FreeParameter::ShearModulus)
+    }
+
+    /// Values of an axis; none where the map has no such axis.
+    pub fn values(&self, parameter: FreeParameter) -> &[f64] {
+        self.axes.iter().find(|axis| axis.parameter == parameter).map_or(&[], |axis| &axis.values)
+    }
+
+    /// The axes asked for by name, slowest first: all but winding angle and shear modulus.
+    pub fn named_axes(&self) -> &[MapAxis] {
+        &self.axes[..self.axes.len().saturating_sub(2)]
+    }
+
+    /// Number of nodes.
+    pub fn node_count(&self) -> usize {
+        self.axes.iter().map(|axis| axis.values.len()).product()
+    }
+
+    /// The values (SI) of the axes at node `index`, in their order.
+    pub fn coordinates(&self, index: usize) -> Vec<f64> {
+        let mut rest = index;
+        let mut values: Vec<f64> = Vec::with_capacity(self.axes.len());
+        for axis in self.axes.iter().rev() {
+            values.push(axis.values[rest % axis.values.len()]);
+            rest /= axis.values.len();
+        }
+        values.reverse();
+        values
+    }
+
+    /// The FREE at values (SI) of the axes, in their order.
+    ///
+    /// # Errors
+    /// [`ParameterError`] where an axis cannot have its value.
+    pub fn at(&self, coordinates: &[f64]) -> Result<LoadedFree, ParameterError> {
+        self.axes
+            .iter()
+            .zip(coordinates)
+            .try_fold(self.node, |node, (axis, value)| axis.parameter.set(node, *value))
+    }
+
+    /// The path at winding angle `i` and shear modulus `j` (of the first values of the other axes).
     pub fn path(&self, i: usize, j: usize) -> Option<&FreePath> {
-        self.paths[i * self.shear_moduli.len() + j].as_ref()
+        self.paths[i * self.shear_moduli().len() + j].as_ref()
     }
 
     /// Whether every node was computed.

@@ -19,7 +19,11 @@ mod elastomer;
 mod elastomer_file;
 mod free;
 mod free_map;
-mod free_map_1;
+mod free_map_old;
+mod free_path;
+mod free_state;
+mod loaded_free;
+mod map_axis;
 mod module;
 mod module_map;
 mod pose;
@@ -33,8 +37,12 @@ pub use elastomer::{
     ARRUDA_BOYCE, Elastomer, ElastomerError, OgdenForm, OgdenTerm, OgdenTerms, chain_stiffening,
 };
 pub use free::Free;
-pub use free_map::{Fidelity, FreeMap, FreePath, FreeState, Middle, PathEnd};
-pub use free_map_1::FreeMapVersion1;
+pub use free_map::{Fidelity, FreeMap};
+pub use free_map_old::{FreeMapVersion1, FreeMapVersion2};
+pub use free_path::{FreePath, Origin, PathEnd};
+pub use free_state::{FreeState, MeshError, Middle, SectionConstants};
+pub use loaded_free::{EndLoad, LoadedFree};
+pub use map_axis::{FreeParameter, MapAxis, ParameterError};
 pub use module::{Base, Limits, Module, PlacedFree, Tip};
 pub use module_map::{MapParameter, ModuleCheck, ModuleMap, ModuleState, PAYLOAD_STEP, payload_curvature};
 pub use pose::{PoseChart, TipPose, wrap_angle};

@@ -8,7 +8,7 @@ use crate::{
     map_file::MapFile,
     sweep::{self, Sweeping},
 };
-use actuator::{Description, Free, Module, ModuleMap, Rig, units::DEG};
+use actuator::{Description, Free, MapAxis, Module, ModuleMap, Rig, units::DEG};
 use fe::{FreeSweep, ModuleSweep};
 use rom::Model;
 use std::path::Path;
@@ -47,8 +47,8 @@ fn map(rig: &Rig, save: &Path) -> Result<MapFile, Failure> {
     match &rig.description {
         Description::Free(free) => {
             let sweep = FreeSweep::default();
-            let axes = free_axes(free, rig.limits.pressure_max[0]);
-            let mut map = sweep::plan_free(&sweep, rig, *free, axes)?;
+            let (axes, pressures) = free_axes(free, rig.limits.pressure_max[0]);
+            let mut map = sweep::plan_free(&sweep, rig, axes, pressures)?;
             let swept = sweeping.free(&sweep, &mut map)?;
             converged(rig, &swept.failed)?;
             Ok(MapFile::Free(map))
@@ -101,14 +101,15 @@ fn converged<E: std::fmt::Display>(rig: &Rig, failed: &[E]) -> Result<(), Failur
     }
 }
 
-fn free_axes(free: &Free, greatest: f64) -> [Vec<f64>; 3] {
+fn free_axes(free: &Free, greatest: f64) -> (Vec<MapAxis>, Vec<f64>) {
     let angle = free.winding.angle_from_hoop();
     let angles = ANGLES.iter().map(|degrees| angle + degrees * DEG);
     let angles = angles.filter(|angle| (DEG..=89.5 * DEG).contains(angle)).collect();
     let modulus = free.elastomer.shear_modulus();
     let last = BEYOND * greatest;
     let pressures = (0..=PRESSURES).map(|i| last * i as f64 / PRESSURES as f64).collect();
-    [angles, MODULI.iter().map(|factor| factor * modulus).collect(), pressures]
+    let moduli = MODULI.iter().map(|factor| factor * modulus).collect();
+    (MapAxis::of_angles_and_moduli(angles, moduli), pressures)
 }
 
 #[cfg(test)]
@@ -118,12 +119,13 @@ mod tests {
 
     #[test]
     fn the_axes_hold_the_description_and_its_neighbourhood() {
-        let free = samples::free_map().free;
-        let [angles, moduli, pressures] = free_axes(&free, 50e3);
+        let free = samples::free_map().node.free;
+        let (axes, pressures) = free_axes(&free, 50e3);
+        let [angles, moduli] = [&axes[0].values, &axes[1].values];
         assert!(angles.iter().any(|angle| *angle == free.winding.angle_from_hoop()) && angles.len() == 7);
         assert!(moduli.contains(&free.elastomer.shear_modulus()));
         assert_eq!((pressures[0], pressures[PRESSURES]), (0.0, 65e3));
         let steep = free.at(88.0 * DEG, 0.4e6);
-        assert!(free_axes(&steep, 50e3)[0].iter().all(|angle| *angle <= 89.5 * DEG));
+        assert!(free_axes(&steep, 50e3).0[0].values.iter().all(|angle| *angle <= 89.5 * DEG));
     }
 }

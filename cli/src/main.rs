@@ -1,5 +1,6 @@
 //! From the drawing of a FREE actuator to its controller: the binary `freeact`.
 
+mod axis;
 mod base_model;
 mod command;
 mod content;
@@ -13,6 +14,7 @@ mod map_file;
 mod material_csv;
 mod material_report;
 mod output;
+mod part;
 mod plot;
 mod pressures_csv;
 mod progress;

@@ -1,14 +1,14 @@
 //! A map as it lies on disk: of a FREE or of a module.
 
 use crate::failure::Failure;
-use actuator::{FreeMap, FreeMapVersion1, ModuleMap, artefact};
+use actuator::{FreeMap, FreeMapVersion1, FreeMapVersion2, LoadedFree, ModuleMap, artefact};
 use serde::{Deserialize, Serialize};
 use std::{fs, path::Path};
 
 /// A map of either kind.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum MapFile {
-    /// Of a single FREE over winding angle and shear modulus.
+    /// Of a single FREE over winding angle, shear modulus and what else was asked for.
     Free(FreeMap),
     /// Of a module over the pressures of its FREEs.
     Module(ModuleMap),
@@ -19,6 +19,22 @@ pub enum MapFile {
 enum MapFileVersion1 {
     Free(FreeMapVersion1),
     Module(ModuleMap),
+}
+
+/// The same in files of format version 2.
+#[derive(Deserialize)]
+enum MapFileVersion2 {
+    Free(FreeMapVersion2),
+    Module(ModuleMap),
+}
+
+impl From<MapFileVersion2> for MapFile {
+    fn from(old: MapFileVersion2) -> Self {
+        match old {
+            MapFileVersion2::Free(map) => MapFile::Free(map.into()),
+            MapFileVersion2::Module(map) => MapFile::Module(map),
+        }
+    }
 }
 
 impl From<MapFileVersion1> for MapFile {
@@ -36,6 +52,7 @@ impl MapFile {
         let bytes = fs::read(path).map_err(Failure::at(path))?;
         Ok(match artefact::version(&bytes) {
             Some(1) => artefact::from_bytes::<MapFileVersion1>(path, artefact::MAP_VERSION_1, &bytes)?.into(),
+            Some(2) => artefact::from_bytes::<MapFileVersion2>(path, artefact::MAP_VERSION_2, &bytes)?.into(),
             _ => artefact::from_bytes(path, artefact::MAP, &bytes)?,
         })
     }
@@ -94,13 +111,15 @@ impl MapFile {
 
     /// Why the two are not parts of one sweep, where they are not: the first thing that differs.
     pub fn difference(&self, other: &MapFile) -> Option<&'static str> {
+        let named = |map: &FreeMap| map.named_axes().to_vec();
         let first = |differences: &[(bool, &'static str)]| differences.iter().find(|d| d.0).map(|d| d.1);
         match (self, other) {
             (MapFile::Free(a), MapFile::Free(b)) => first(&[
-                (a.free != b.free, "the FREEs"),
+                (a.node != b.node, "the FREEs"),
                 (a.fidelity != b.fidelity, "the fidelities"),
-                (a.winding_angles != b.winding_angles, "the winding angles"),
-                (a.shear_moduli != b.shear_moduli, "the shear moduli"),
+                (named(a) != named(b), "the named axes"),
+                (a.winding_angles() != b.winding_angles(), "the winding angles"),
+                (a.shear_moduli() != b.shear_moduli(), "the shear moduli"),
                 (a.pressures != b.pressures, "the pressures"),
                 (a.settings != b.settings, "the settings of the finite elements"),
             ]),
@@ -119,8 +138,10 @@ impl MapFile {
     pub fn sort_checks(&mut self) {
         match self {
             MapFile::Free(map) => map.checks.sort_by(|(a, _), (b, _)| {
-                let at =
-                    |free: &actuator::Free| [free.winding.angle_from_hoop(), free.elastomer.shear_modulus()];
+                let axes = &map.axes;
+                let at = |node: &LoadedFree| -> Vec<f64> {
+                    axes.iter().filter_map(|axis| axis.parameter.of(node)).collect()
+                };
                 in_order(&at(a), &at(b))
             }),
             MapFile::Module(map) => map.checks.sort_by(|a, b| in_order(&a.pressures, &b.pressures)),
@@ -188,19 +209,16 @@ pub mod samples {
             twist_per_length: -30.0 * 1e-5 * pressure,
             residual: 1e-12,
             middle: None,
+            section: None,
+            mesh_error: None,
         };
-        let open = FreePath {
-            states: vec![state(0.0, 1.0), state(2e4, 1.02), state(4e4, 1.06)],
-            end: PathEnd::Range,
-        };
-        let limited = FreePath {
-            states: vec![state(0.0, 1.0), state(2e4, 0.99), state(3e4, 0.98)],
-            end: PathEnd::LimitPoint,
-        };
+        let open =
+            FreePath::solved(vec![state(0.0, 1.0), state(2e4, 1.02), state(4e4, 1.06)], PathEnd::Range);
+        let limited =
+            FreePath::solved(vec![state(0.0, 1.0), state(2e4, 0.99), state(3e4, 0.98)], PathEnd::LimitPoint);
         FreeMap {
-            free,
-            winding_angles: vec![20f64.to_radians(), 70f64.to_radians()],
-            shear_moduli: vec![0.393e6],
+            node: free.into(),
+            axes: MapAxis::of_angles_and_moduli(vec![20f64.to_radians(), 70f64.to_radians()], vec![0.393e6]),
             pressures: vec![0.0, 2e4, 4e4],
             paths: vec![Some(open), Some(limited)],
             checks: vec![],
@@ -261,7 +279,7 @@ pub mod samples {
 
     /// A module of one FREE with three pressures, the last one not computed.
     pub fn module_map() -> ModuleMap {
-        let free = free_map().free;
+        let free = free_map().node.free;
         let state = |twist: f64| ModuleState {
             chart: PoseChart { twist, bend: [0.0; 2], position: [0.0, 0.0, 0.13] },
             slopes: vec![],
@@ -307,6 +325,16 @@ mod tests {
         let map = MapFile::read(&module).unwrap();
         assert_eq!(map.computed().0, map.computed().1);
 
+        // By solids, in the second format.
+        let second = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/version-2.map");
+        assert_eq!(artefact::version(&fs::read(&second).unwrap()), Some(2));
+        let solid = MapFile::read(&second).unwrap().into_free().unwrap();
+        assert_eq!(solid.fidelity, actuator::Fidelity::Solid { elements: Some([1, 12, 60]) });
+        assert_eq!((solid.paths.len(), solid.checks.len(), solid.pressures.len()), (2, 1, 5));
+        let last = solid.path(1, 0).unwrap().states[4];
+        assert!(last.pressure == 2e4 && (last.axial_stretch - 0.9989).abs() < 5e-5 && last.residual < 1e-8);
+        assert!((last.middle.unwrap().axial_stretch - 0.9981).abs() < 5e-5);
+
         // What is read is written in the present format, and read again as the same.
         let folder = tempfile::tempdir().unwrap();
         let again = folder.path().join("again.map");
@@ -330,7 +358,7 @@ mod tests {
         assert_eq!(joined, MapFile::Free(whole.clone()));
 
         let mut softer = whole.clone();
-        softer.shear_moduli[0] *= 0.5;
+        softer.axes[1].values[0] *= 0.5;
         assert_eq!(joined.difference(&MapFile::Free(softer)), Some("the shear moduli"));
         assert!(joined.difference(&MapFile::Module(samples::module_map())).unwrap().contains("kinds"));
         let mut other = whole;

@@ -10,7 +10,7 @@ use crate::{
     table::{Table, short},
 };
 use actuator::{
-    Free, FreeMap, FreePath, FreeState,
+    FreeMap, FreeParameter, FreePath, FreeState, LoadedFree, MapAxis,
     units::{DEG, KPA, MPA},
 };
 use fe::{SolidError, SolidSolver, SolidState, SolidSweep};
@@ -29,10 +29,8 @@ const NO_TWIST: f64 = 1e-9;
 /// Which of a map's states are wanted; `None` for all.
 #[derive(Clone, Debug, Default)]
 pub struct Choice {
-    /// Winding angles from the hoop, deg.
-    pub winding_angles: Option<Vec<f64>>,
-    /// Shear moduli, MPa.
-    pub shear_moduli: Option<Vec<f64>>,
+    /// Values of the axes, in the units of their names; all of those that are not here.
+    pub values: Vec<(FreeParameter, Vec<f64>)>,
     /// Pressures, kPa.
     pub pressures: Option<Vec<f64>>,
 }
@@ -40,7 +38,9 @@ pub struct Choice {
 /// A path of the map whose states are wanted.
 #[derive(Debug)]
 pub struct Wanted<'a> {
-    free: Free,
+    node: LoadedFree,
+    /// Name of the folder.
+    name: String,
     path: &'a FreePath,
     /// Numbers of the states.
     states: Vec<usize>,
@@ -58,7 +58,7 @@ struct Written {
 
 /// What became of a path.
 struct Shown {
-    free: Free,
+    node: LoadedFree,
     collection: PathBuf,
     written: Vec<Written>,
     beyond: Vec<f64>,
@@ -81,8 +81,18 @@ fn list(values: impl Iterator<Item = f64>) -> String {
     values.map(short).collect::<Vec<_>>().join(", ")
 }
 
+/// The flag of `inspect` that chooses on an axis.
+fn flag(parameter: FreeParameter) -> String {
+    match parameter {
+        FreeParameter::WindingAngle => "--winding-angle".to_owned(),
+        FreeParameter::ShearModulus => "--shear-modulus-mpa".to_owned(),
+        other => format!("--axis {}", other.name()),
+    }
+}
+
 /// Places on an axis of the map that are meant by `asked`; all where nothing is.
-fn places(flag: &str, asked: &Option<Vec<f64>>, axis: &[f64], unit: f64) -> Result<Vec<usize>, Failure> {
+fn places(axis: &MapAxis, asked: Option<&Vec<f64>>) -> Result<Vec<usize>, Failure> {
+    let (flag, unit, axis) = (flag(axis.parameter), axis.parameter.unit(), &axis.values);
     let Some(asked) = asked else { return Ok((0..axis.len()).collect()) };
     let mut places = Vec::with_capacity(asked.len());
     for &value in asked {
@@ -107,36 +117,57 @@ impl Choice {
     /// # Errors
     /// What the map does not have, or too many paths where none was chosen.
     pub fn wanted<'a>(&self, map: &'a FreeMap) -> Result<Vec<Wanted<'a>>, Failure> {
-        let angles = places("--winding-angle", &self.winding_angles, &map.winding_angles, DEG)?;
-        let moduli = places("--shear-modulus-mpa", &self.shear_moduli, &map.shear_moduli, MPA)?;
-        let nodes = angles.iter().flat_map(|&i| moduli.iter().map(move |&j| (i, j)));
-        let paths: Vec<_> = nodes.filter_map(|(i, j)| Some(((i, j), map.path(i, j)?))).collect();
-        let asked = |flag: &Option<_>, axis: &[f64]| flag.is_some() || axis.len() == 1;
-        let all_asked = asked(&self.winding_angles, &map.winding_angles)
-            && asked(&self.shear_moduli, &map.shear_moduli)
-            && (self.winding_angles.is_some() || self.shear_moduli.is_some());
+        if let Some((parameter, _)) = self.values.iter().find(|(chosen, _)| map.values(*chosen).is_empty()) {
+            return Err(Failure::usage(format!("{}: the map has no such axis", flag(*parameter))));
+        }
+        let asked = |axis: &MapAxis| {
+            self.values.iter().find(|(chosen, _)| *chosen == axis.parameter).map(|(_, values)| values)
+        };
+        let chosen: Vec<Vec<usize>> =
+            map.axes.iter().map(|axis| places(axis, asked(axis))).collect::<Result<_, _>>()?;
+        let is_chosen = |node: &usize| {
+            let coordinates = map.coordinates(*node);
+            let places = coordinates.iter().zip(&map.axes).zip(&chosen);
+            places.into_iter().all(|((value, axis), chosen)| chosen.iter().any(|&i| axis.values[i] == *value))
+        };
+        let nodes = (0..map.node_count()).filter(is_chosen);
+        let paths: Vec<_> = nodes.filter_map(|node| Some((node, map.paths[node].as_ref()?))).collect();
+        let all_asked = !self.values.is_empty()
+            && map.axes.iter().all(|axis| axis.values.len() == 1 || asked(axis).is_some());
         if paths.is_empty() {
             return Err(Failure::refused(
                 "--vtu: none of these paths is computed; complete the map by `freeact map --resume`",
             ));
         }
         if paths.len() > MOST_UNASKED && !all_asked {
+            let of = |axis: &MapAxis| {
+                let values = list(axis.values.iter().map(|value| value / axis.parameter.unit()));
+                format!("{} (of {values})", flag(axis.parameter))
+            };
+            let choices: Vec<String> = map.axes.iter().rev().map(of).collect();
             return Err(Failure::usage(format!(
-                "--vtu: these are {} paths, each solved again and megabytes a state; choose by --winding-angle (of {}°) and \
-                 --shear-modulus-mpa (of {} MPa)",
+                "--vtu: these are {} paths, each solved again and megabytes a state; choose by {}",
                 paths.len(),
-                list(map.winding_angles.iter().map(|angle| angle / DEG)),
-                list(map.shear_moduli.iter().map(|modulus| modulus / MPA)),
+                choices.join(" and "),
             )));
         }
-        let wanted: Vec<_> = paths
-            .into_iter()
-            .map(|((i, j), path)| {
-                let free = map.free.at(map.winding_angles[i], map.shear_moduli[j]);
-                let (states, beyond) = self.states(path);
-                Wanted { free, path, states, beyond }
-            })
-            .collect();
+        let wanted = paths.into_iter().map(|(index, path)| {
+            let coordinates = map.coordinates(index);
+            let node = map.at(&coordinates).map_err(Failure::file)?;
+            let mut name = String::new();
+            for (value, axis) in coordinates.iter().zip(&map.axes).rev() {
+                let value = number(value / axis.parameter.unit());
+                name += &match axis.parameter {
+                    FreeParameter::ShearModulus => format!("{value}-mpa"),
+                    FreeParameter::WindingAngle => String::new(),
+                    other => format!("-{}-{value}", other.name()),
+                };
+            }
+            let name = format!("{}-deg-{name}", number(node.free.winding.angle_from_hoop() / DEG));
+            let (states, beyond) = self.states(path);
+            Ok(Wanted { node, name, path, states, beyond })
+        });
+        let wanted: Vec<_> = wanted.collect::<Result<_, Failure>>()?;
         if wanted.iter().all(|wanted| wanted.states.is_empty()) {
             let reaches = |wanted: &Wanted<'_>| wanted.path.states.last().map_or(0.0, |state| state.pressure);
             let of = wanted.iter().max_by(|a, b| reaches(a).total_cmp(&reaches(b)));
@@ -217,13 +248,12 @@ fn show(
     directory: &Path,
     step: &mut dyn FnMut(),
 ) -> Result<Shown, Failure> {
-    let free = wanted.free;
-    let angle = number(free.winding.angle_from_hoop() / DEG);
-    let folder = directory.join(format!("{angle}-deg-{}-mpa", number(free.elastomer.shear_modulus() / MPA)));
+    let node = wanted.node;
+    let folder = directory.join(&wanted.name);
     output::make_directory(&folder)?;
     let collection = folder.join("path.pvd");
     let mut shown = Shown {
-        free,
+        node,
         collection,
         written: vec![],
         beyond: wanted.beyond.clone(),
@@ -237,9 +267,9 @@ fn show(
         (step.borrow_mut())();
         !interrupt::is_asked()
     };
-    let found = sweep.path_seen(&free, pressures, &mut told, &mut |solver, state, report| {
+    let found = sweep.path_seen(&node, pressures, &mut told, &mut |solver, state, report| {
         let at = format!("state {place}, {} kPa", short(report.pressure / KPA));
-        match stored.get(place).map(|stored| difference(report, stored, free.tube.outer_radius())) {
+        match stored.get(place).map(|stored| difference(report, stored, node.free.tube.outer_radius())) {
             None => worst = (f64::INFINITY, format!("{at} is none of the map's")),
             Some((off, what)) if off > worst.0 => {
                 worst = (off, format!("{what} of {at} by {:.1e} (relative)", off * AGREES));
@@ -393,8 +423,8 @@ impl SolidStates {
         };
         let path = |path: &Shown| {
             json!({
-                "winding_angle_deg": path.free.winding.angle_from_hoop() / DEG,
-                "shear_modulus_mpa": path.free.elastomer.shear_modulus() / MPA,
+                "winding_angle_deg": path.node.free.winding.angle_from_hoop() / DEG,
+                "shear_modulus_mpa": path.node.free.elastomer.shear_modulus() / MPA,
                 "collection": path.collection, "difference": path.difference,
                 "error": path.error.as_ref().map(SolidError::to_string), "no_state_at_kpa": path.beyond,
                 "states": path.written.iter().map(state).collect::<Vec<_>>(),
@@ -418,20 +448,21 @@ mod tests {
     fn many_paths_must_be_asked_for() {
         let mut map = solid_map();
         assert_eq!(Choice::default().wanted(&map).unwrap().len(), 2);
-        map.winding_angles = (1..=6).map(|i| f64::from(10 * i).to_radians()).collect();
+        map.axes[0].values = (1..=6).map(|i| f64::from(10 * i).to_radians()).collect();
         map.paths = vec![map.paths[0].clone(); 6];
         let (exit, words) = message(&Choice::default(), &map);
         assert!(exit == Exit::Usage && words.contains("these are 6 paths"), "{words}");
-        assert!(words.contains("10.00, 20.00, 30.00"), "{words}");
-        let chosen = |angles: &[f64]| Choice { winding_angles: Some(angles.to_vec()), ..Choice::default() };
+        assert!(words.contains("--winding-angle (of 10.00, 20.00, 30.00"), "{words}");
+        let angle = FreeParameter::WindingAngle;
+        let chosen = |angles: &[f64]| Choice { values: vec![(angle, angles.to_vec())], ..Choice::default() };
         let all: Vec<f64> = (1..=6).map(|i| f64::from(10 * i)).collect();
         assert_eq!(chosen(&all).wanted(&map).unwrap().len(), 6);
         let one = chosen(&[30.0]);
         let one = one.wanted(&map).unwrap();
-        assert!(one.len() == 1 && (one[0].free.winding.angle_from_hoop() / DEG - 30.0).abs() < 1e-9);
+        assert!(one.len() == 1 && (one[0].node.free.winding.angle_from_hoop() / DEG - 30.0).abs() < 1e-9);
         assert!(message(&chosen(&[31.0]), &map).1.contains("31 is not in the map"));
         // With the moduli left open there are more again.
-        map.shear_moduli = vec![0.2e6, 0.4e6];
+        map.axes[1].values = vec![0.2e6, 0.4e6];
         map.paths = vec![map.paths[0].clone(); 12];
         assert!(message(&chosen(&[10.0, 20.0, 30.0]), &map).1.contains("these are 6 paths"));
         map.paths = vec![None; 12];
@@ -439,7 +470,9 @@ mod tests {
     }
 
     fn one_of_each() -> Choice {
-        Choice { winding_angles: Some(vec![10.0]), shear_moduli: Some(vec![0.2]), pressures: None }
+        let values =
+            vec![(FreeParameter::WindingAngle, vec![10.0]), (FreeParameter::ShearModulus, vec![0.2])];
+        Choice { values, pressures: None }
     }
 
     #[test]

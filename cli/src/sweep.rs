@@ -1,7 +1,7 @@
 //! Sweeps of finite elements, told of, saved as they go, and stopped by Ctrl-C.
 
 use crate::{exit::Exit, failure::Failure, interrupt, map_file::MapFile, progress::Progress, table::short};
-use actuator::{Free, FreeMap, Module, ModuleMap, Rig, units::DEG, units::KPA, units::MPA};
+use actuator::{Free, FreeMap, LoadedFree, MapAxis, Module, ModuleMap, Rig, units::KPA};
 use fe::{
     FreeSweep, FreeSweepError, FreeSweepReport, ModuleSweep, ModuleSweepReport, Run, Shard, SolidSweep,
 };
@@ -41,15 +41,19 @@ impl Sweeping<'_> {
 
     /// Computes what is missing of a FREE's map.
     pub fn free(&self, sweep: &FreeSweep, map: &mut FreeMap) -> Result<Swept, Failure> {
-        self.paths("computing paths", &mut |run, checkpoint| sweep.fill(map, self.shard, run, checkpoint))
+        let report = self
+            .paths("computing paths", &mut |run, checkpoint| sweep.fill(map, self.shard, run, checkpoint))?;
+        Ok(told_of_free(&report, map))
     }
 
     /// Computes what is missing of a FREE's map by solids.
     pub fn solid(&self, sweep: &SolidSweep, map: &mut FreeMap) -> Result<Swept, Failure> {
-        self.paths("computing states", &mut |run, checkpoint| sweep.fill(map, self.shard, run, checkpoint))
+        let report = self
+            .paths("computing states", &mut |run, checkpoint| sweep.fill(map, self.shard, run, checkpoint))?;
+        Ok(told_of_free(&report, map))
     }
 
-    fn paths(&self, what: &str, fill: &mut Fill<'_>) -> Result<Swept, Failure> {
+    fn paths(&self, what: &str, fill: &mut Fill<'_>) -> Result<FreeSweepReport, Failure> {
         let bar = Progress::bar(what);
         let told = |done, total| bar.at(done, total);
         let run = Run { jobs: self.jobs, progress: &told, stop: interrupt::flag() };
@@ -57,7 +61,7 @@ impl Sweeping<'_> {
         let mut checkpoint = |map: &FreeMap| saver.save(|| MapFile::Free(map.clone()));
         let report = fill(&run, &mut checkpoint).map_err(Failure::file)?;
         saver.outcome?;
-        Ok(told_of_free(&report))
+        Ok(report)
     }
 
     /// Computes what is missing of a module's map.
@@ -97,12 +101,17 @@ impl<'a> Saver<'a> {
     }
 }
 
-fn told_of_free(report: &FreeSweepReport) -> Swept {
-    let failed = report.failed.iter().map(|failed| {
-        let angle = short(failed.free.winding.angle_from_hoop() / DEG);
-        let modulus = short(failed.free.elastomer.shear_modulus() / MPA);
-        format!("{angle}° from the hoop, {modulus} MPa: {}", failed.error)
-    });
+/// Where on the axes of a map a FREE lies, in words.
+pub fn place(node: &LoadedFree, map: &FreeMap) -> String {
+    let of = |axis: &MapAxis| {
+        let value = axis.parameter.of(node)?;
+        Some(format!("{} = {}", axis.parameter.name(), short(value / axis.parameter.unit())))
+    };
+    map.axes.iter().rev().filter_map(of).collect::<Vec<_>>().join(", ")
+}
+
+fn told_of_free(report: &FreeSweepReport, map: &FreeMap) -> Swept {
+    let failed = report.failed.iter().map(|failed| format!("{}: {}", place(&failed.node, map), failed.error));
     Swept { failed: failed.collect() }
 }
 
@@ -177,10 +186,18 @@ fn told_of_module(report: &ModuleSweepReport) -> Swept {
 pub fn plan_free(
     sweep: &FreeSweep,
     rig: &Rig,
-    free: Free,
-    [angles, moduli, pressures]: [Vec<f64>; 3],
+    axes: Vec<MapAxis>,
+    pressures: Vec<f64>,
 ) -> Result<FreeMap, Failure> {
     let source = (rig.name.clone(), rig.text.clone());
-    let planned = sweep.empty_map(free, angles, moduli, pressures, source);
-    planned.map_err(|error| Failure::file(error).about(&rig.path))
+    let planned = sweep.empty_map(rig.frees()[0].into(), axes, pressures, source);
+    planned.map_err(|error| unplanned(error, rig))
+}
+
+/// Why a sweep cannot be begun: the axes were given on the command line, the FREE in a file.
+pub fn unplanned(error: FreeSweepError, rig: &Rig) -> Failure {
+    match error {
+        FreeSweepError::Axis { .. } | FreeSweepError::Parameter(_) => Failure::usage(error.to_string()),
+        _ => Failure::file(error).about(&rig.path),
+    }
 }

@@ -255,6 +255,8 @@ impl ThickTube {
             twist_per_length: at[2] / self.outer_radius,
             residual,
             middle: None,
+            section: None,
+            mesh_error: None,
         }
     }
 

@@ -1,6 +1,6 @@
 pub(crate) use crate::free_sweep::next_fraction;
 use crate::{FreeSweepError, FreeSweepReport, PathError, Run, SectionMesh, SectionSolver, Shard, free_sweep};
-use actuator::{Fidelity, Free, FreeMap};
+use actuator::{Fidelity, FreeMap, LoadedFree, MapAxis};
 
 /// How the map of a FREE is computed: a path of section states from rest to the limit point at each angle and modulus.
 ///
@@ -27,22 +27,22 @@ impl Default for FreeSweep {
 }
 
 impl FreeSweep {
-    /// An empty map of `free` over winding angles (rad from the hoop), shear moduli (Pa) and pressures (Pa), all rising; zero
-    /// pressure is added where it is missing. `source` is name and text of the description.
+    /// An empty map of a FREE over `axes` (SI) and pressures (Pa), all rising. Winding angle and shear modulus that are not among the
+    /// axes become axes of the FREE's own value; other axes of a single value are put into the FREE; zero pressure is added where it
+    /// is missing. `source` is name and text of the description.
     ///
     /// # Errors
-    /// [`FreeSweepError`] where an axis or the FREE at one of its ends makes no sense.
+    /// [`FreeSweepError`] where an axis or the FREE at one of the corners makes no sense.
     pub fn empty_map(
         &self,
-        free: Free,
-        winding_angles: Vec<f64>,
-        shear_moduli: Vec<f64>,
+        node: LoadedFree,
+        axes: Vec<MapAxis>,
         pressures: Vec<f64>,
         source: (String, String),
     ) -> Result<FreeMap, FreeSweepError> {
         let made_by = (Fidelity::Section, self.settings());
-        free_sweep::empty_map(free, [winding_angles, shear_moduli, pressures], made_by, source, &|node| {
-            Ok(SectionSolver::new(node, self.mesh).map(|_| ())?)
+        free_sweep::empty_map(node, axes, pressures, made_by, source, &|node| {
+            Ok(SectionSolver::new(&node.free, self.mesh).map(|_| ())?)
         })
     }
 
@@ -57,8 +57,8 @@ impl FreeSweep {
         )
     }
 
-    /// The FREEs of the checks, at angles and moduli between the nodes; none where the map has a single node.
-    pub fn check_points(&self, map: &FreeMap) -> Vec<Free> {
+    /// The FREEs of the checks, between the nodes; none where the map has a single node.
+    pub fn check_points(&self, map: &FreeMap) -> Vec<LoadedFree> {
         free_sweep::check_points(map, self.checks, self.seed)
     }
 
@@ -77,9 +77,9 @@ impl FreeSweep {
         checkpoint: &mut dyn FnMut(&FreeMap),
     ) -> Result<FreeSweepReport, FreeSweepError> {
         let check_points = self.check_points(map);
-        free_sweep::fill(map, &check_points, shard, (run, 1), checkpoint, &|free, pressures, _| {
-            SectionSolver::new(free, self.mesh)
-                .and_then(|mut solver| solver.path(pressures, self.extra_states))
+        free_sweep::fill(map, &check_points, shard, (run, 1), checkpoint, &|node, pressures, _| {
+            SectionSolver::new(&node.free, self.mesh)
+                .and_then(|mut solver| solver.path_under(node.load, pressures, self.extra_states))
                 .map_err(|error| Some(PathError::Section(error)))
         })
     }
@@ -102,10 +102,15 @@ mod tests {
         seed: 7,
     };
 
+    fn axes(angles: &[f64], moduli: &[f64]) -> Vec<MapAxis> {
+        let angles: Vec<f64> = angles.iter().map(|angle| angle * DEG).collect();
+        MapAxis::of_angles_and_moduli(angles, moduli.to_vec())
+    }
+
     fn empty() -> FreeMap {
-        let angles = [20.0, 40.0, 70.0].map(f64::to_radians).to_vec();
         let pressures = (0..=6).map(|i| 1e4 * f64::from(i)).collect();
-        SWEEP.empty_map(free(30.0), angles, vec![0.2e6, 0.393e6], pressures, Default::default()).unwrap()
+        let axes = axes(&[20.0, 40.0, 70.0], &[0.2e6, 0.393e6]);
+        SWEEP.empty_map(free(30.0).into(), axes, pressures, Default::default()).unwrap()
     }
 
     fn fill(map: &mut FreeMap, shard: Shard, jobs: usize) -> FreeSweepReport {
@@ -159,10 +164,10 @@ mod tests {
         let map = empty();
         let points = SWEEP.check_points(&map);
         assert_eq!(points.len(), 3);
-        for point in points {
+        for LoadedFree { free: point, .. } in points {
             let (angle, modulus) = (point.winding.angle_from_hoop(), point.elastomer.shear_modulus());
-            assert!(angle > map.winding_angles[0] && angle < map.winding_angles[2]);
-            assert!(map.winding_angles.iter().all(|node| (node - angle).abs() > 0.05));
+            assert!(angle > map.winding_angles()[0] && angle < map.winding_angles()[2]);
+            assert!(map.winding_angles().iter().all(|node| (node - angle).abs() > 0.05));
             assert!(modulus > 0.24e6 && modulus < 0.35e6);
         }
     }
@@ -187,17 +192,16 @@ mod tests {
     #[test]
     fn unusable_axes_are_refused_with_the_numbers() {
         let make = |angles: &[f64], moduli: &[f64], pressures: &[f64]| {
-            let angles = angles.iter().map(|angle| angle * DEG).collect();
             SWEEP
-                .empty_map(free(30.0), angles, moduli.to_vec(), pressures.to_vec(), Default::default())
+                .empty_map(free(30.0).into(), axes(angles, moduli), pressures.to_vec(), Default::default())
                 .map(|map| map.pressures)
                 .map_err(|error| error.to_string())
         };
         assert_eq!(make(&[30.0], &[1e6], &[1e4]), Ok(vec![0.0, 1e4]));
         let falling = make(&[30.0], &[1e6, 0.5e6], &[0.0]).unwrap_err();
-        assert_eq!(falling, "shear moduli (MPa): must rise, but 0.5 follows 1");
-        assert!(make(&[], &[1e6], &[0.0]).unwrap_err().contains("winding angles (deg): is empty"));
-        assert!(make(&[30.0], &[1e6], &[-1e3]).unwrap_err().contains("holds -1,"));
+        assert_eq!(falling, "shear_modulus_mpa: must rise, but 0.5 follows 1");
+        assert!(make(&[], &[1e6], &[0.0]).unwrap_err().contains("winding_angle_deg: is empty"));
+        assert!(make(&[30.0], &[1e6], &[-1e3]).unwrap_err().contains("holds -1;"));
         assert!(make(&[30.0], &[f64::NAN], &[0.0]).unwrap_err().contains("holds NaN"));
         assert!(make(&[0.5, 20.0], &[1e6], &[0.0]).unwrap_err().contains("0.50 deg from the hoop"));
     }

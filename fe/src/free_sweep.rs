@@ -1,7 +1,10 @@
-//! What all sweeps over winding angle and shear modulus share, whatever computes the paths.
+//! What all sweeps over the parameters of a FREE share, whatever computes the paths.
 
 use crate::{Run, SectionError, Shard, SolidError};
-use actuator::{Fidelity, Free, FreeMap, FreePath, units::DEG, units::KPA, units::MPA};
+use actuator::{
+    Fidelity, FreeMap, FreeParameter, FreePath, LoadedFree, MapAxis, ParameterError,
+    units::{DEG, KPA, MPA},
+};
 use std::sync::{
     atomic::{AtomicUsize, Ordering},
     mpsc,
@@ -14,7 +17,7 @@ pub enum FreeSweepError {
     #[error("{axis}: {problem}")]
     Axis {
         /// Which axis.
-        axis: &'static str,
+        axis: String,
         /// What is wrong and what is wanted.
         problem: String,
     },
@@ -26,11 +29,14 @@ pub enum FreeSweepError {
         /// Paths.
         found: usize,
     },
+    /// A value of an axis is none that its parameter can have.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
     /// The FREE cannot be represented.
-    #[error("the FREE at {:.2} deg from the hoop, {:.4} MPa: {source}", .free.winding.angle_from_hoop() / DEG, .free.elastomer.shear_modulus() / MPA)]
+    #[error("the FREE at {:.2} deg from the hoop, {:.4} MPa: {source}", .node.free.winding.angle_from_hoop() / DEG, .node.free.elastomer.shear_modulus() / MPA)]
     Free {
         /// The FREE.
-        free: Box<Free>,
+        node: Box<LoadedFree>,
         /// What is wrong with it.
         source: PathError,
     },
@@ -50,8 +56,8 @@ pub enum PathError {
 /// A path that was not found; its node stays empty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FailedPath {
-    /// The FREE.
-    pub free: Free,
+    /// The FREE and its loads.
+    pub node: LoadedFree,
     /// Why.
     pub error: PathError,
 }
@@ -67,13 +73,13 @@ pub struct FreeSweepReport {
     pub failed: Vec<FailedPath>,
 }
 
-fn check_axis(axis: &'static str, values: &[f64], least: f64, unit: f64) -> Result<(), FreeSweepError> {
-    let error = |problem| Err(FreeSweepError::Axis { axis, problem });
+fn check_axis(axis: &str, values: &[f64], unit: f64) -> Result<(), FreeSweepError> {
+    let error = |problem| Err(FreeSweepError::Axis { axis: axis.to_owned(), problem });
     if values.is_empty() {
         return error("is empty; give at least one value".to_owned());
     }
-    if let Some(value) = values.iter().find(|value| !(value.is_finite() && **value >= least)) {
-        return error(format!("holds {}, which is not a number of at least {}", value / unit, least / unit));
+    if let Some(value) = values.iter().find(|value| !value.is_finite()) {
+        return error(format!("holds {value}, which is not a number"));
     }
     match values.windows(2).find(|pair| pair[1] <= pair[0]) {
         Some(pair) => error(format!("must rise, but {} follows {}", pair[1] / unit, pair[0] / unit)),
@@ -102,50 +108,83 @@ pub(crate) fn between_nodes(axis: &[f64], state: &mut u64) -> f64 {
     }
 }
 
-/// An empty map of `free` over winding angles (rad from the hoop), shear moduli (Pa) and pressures (Pa), all rising; zero
-/// pressure is added where it is missing. `check` judges the FREEs at both ends of the angles.
+/// An empty map of a FREE over `axes` (SI) and pressures (Pa), all rising. Winding angle and shear modulus that are not among the
+/// axes become axes of the FREE's own value; other axes of a single value are put into the FREE; zero pressure is added where it is
+/// missing. `check` judges the FREEs at the corners.
 pub(crate) fn empty_map(
-    free: Free,
-    [winding_angles, shear_moduli, mut pressures]: [Vec<f64>; 3],
+    mut node: LoadedFree,
+    mut axes: Vec<MapAxis>,
+    mut pressures: Vec<f64>,
     (fidelity, settings): (Fidelity, String),
     source: (String, String),
-    check: &dyn Fn(&Free) -> Result<(), PathError>,
+    check: &dyn Fn(&LoadedFree) -> Result<(), PathError>,
 ) -> Result<FreeMap, FreeSweepError> {
-    check_axis("winding angles (deg)", &winding_angles, 0.0, DEG)?;
-    check_axis("shear moduli (MPa)", &shear_moduli, f64::MIN_POSITIVE, MPA)?;
-    check_axis("pressures (kPa)", &pressures, 0.0, KPA)?;
+    for (index, axis) in axes.iter().enumerate() {
+        let name = axis.parameter.name();
+        check_axis(name, &axis.values, axis.parameter.unit())?;
+        if axes[..index].iter().any(|other| other.parameter == axis.parameter) {
+            let problem = "is given twice; give all its values at once".to_owned();
+            return Err(FreeSweepError::Axis { axis: name.to_owned(), problem });
+        }
+    }
+    check_axis("pressures (kPa)", &pressures, KPA)?;
+    if pressures[0] < 0.0 {
+        let problem = format!("holds {}; a path rises from zero", pressures[0] / KPA);
+        return Err(FreeSweepError::Axis { axis: "pressures (kPa)".to_owned(), problem });
+    }
     if pressures[0] > 0.0 {
         pressures.insert(0, 0.0);
     }
-    for angle in [winding_angles[0], winding_angles[winding_angles.len() - 1]] {
-        let node = free.at(angle, shear_moduli[0]);
-        check(&node).map_err(|source| FreeSweepError::Free { free: Box::new(node), source })?;
+    let mut always = Vec::new();
+    for parameter in [FreeParameter::WindingAngle, FreeParameter::ShearModulus] {
+        let values = match axes.iter().position(|axis| axis.parameter == parameter) {
+            Some(place) => axes.remove(place).values,
+            None => parameter.of(&node).into_iter().collect(),
+        };
+        always.push(MapAxis { parameter, values });
     }
-    let nodes = winding_angles.len() * shear_moduli.len();
-    Ok(FreeMap {
-        free,
-        winding_angles,
-        shear_moduli,
-        pressures,
-        paths: vec![None; nodes],
-        checks: Vec::new(),
-        fidelity,
-        settings,
-        source,
-    })
+    for axis in axes.iter().filter(|axis| axis.values.len() == 1) {
+        node = axis.parameter.set(node, axis.values[0])?;
+    }
+    axes.retain(|axis| axis.values.len() > 1);
+    axes.append(&mut always);
+    let mut map =
+        FreeMap { node, axes, pressures, paths: Vec::new(), checks: Vec::new(), fidelity, settings, source };
+    for node in 0..map.node_count() {
+        let coordinates = map.coordinates(node);
+        let loaded = map.at(&coordinates)?;
+        let ends = |axis: &MapAxis, value| axis.values.first() == value || axis.values.last() == value;
+        if map.axes.iter().zip(&coordinates).all(|(axis, value)| ends(axis, Some(value))) {
+            check(&loaded).map_err(|source| FreeSweepError::Free { node: Box::new(loaded), source })?;
+        }
+    }
+    map.paths = vec![None; map.node_count()];
+    Ok(map)
 }
 
-/// The FREEs of `checks` paths at angles and moduli between the nodes; none where the map has a single node.
-pub(crate) fn check_points(map: &FreeMap, checks: usize, seed: u64) -> Vec<Free> {
+/// The FREEs of `checks` paths between the nodes; none where the map has a single node. Parameters that are whole numbers take the
+/// values of nodes.
+pub(crate) fn check_points(map: &FreeMap, checks: usize, seed: u64) -> Vec<LoadedFree> {
     if map.paths.len() < 2 {
         return Vec::new();
     }
     let mut state = seed;
     let mut next = || {
-        let angle = between_nodes(&map.winding_angles, &mut state);
-        map.free.at(angle, between_nodes(&map.shear_moduli, &mut state))
+        let between = |axis: &MapAxis, state: &mut u64| match axis.parameter {
+            FreeParameter::Fibres => {
+                axis.values[(next_fraction(state) * axis.values.len() as f64) as usize % axis.values.len()]
+            }
+            _ => between_nodes(&axis.values, state),
+        };
+        // The last two axes first, as before there were others.
+        let (named, always) = map.axes.split_at(map.axes.len() - 2);
+        let always: Vec<f64> = always.iter().map(|axis| between(axis, &mut state)).collect();
+        let mut coordinates: Vec<f64> = named.iter().map(|axis| between(axis, &mut state)).collect();
+        coordinates.extend(always);
+        map.at(&coordinates)
     };
-    (0..checks).map(|_| next()).collect()
+    // What lies between values that a parameter can have is one, too.
+    (0..checks).filter_map(|_| next().ok()).collect()
 }
 
 /// How far a path has come: told by whatever computes it.
@@ -177,38 +216,38 @@ impl Told<'_> {
 }
 
 /// Finds the path of a FREE through pressures.
-type FindPath<'a> = dyn Fn(&Free, &[f64], &mut Told<'_>) -> Result<FreePath, Option<PathError>> + Sync + 'a;
+type FindPath<'a> =
+    dyn Fn(&LoadedFree, &[f64], &mut Told<'_>) -> Result<FreePath, Option<PathError>> + Sync + 'a;
 
 /// Computes the paths of the map (nodes, then checks) that are missing and belong to `shard`, each by `path` in at most
 /// `steps_a_path` steps that it tells of. A path that ends in `Err(None)` was stopped on the way.
 pub(crate) fn fill(
     map: &mut FreeMap,
-    check_points: &[Free],
+    check_points: &[LoadedFree],
     shard: Shard,
     (run, steps_a_path): (&Run<'_>, usize),
     checkpoint: &mut dyn FnMut(&FreeMap),
     path: &FindPath<'_>,
 ) -> Result<FreeSweepReport, FreeSweepError> {
-    let moduli = map.shear_moduli.len();
-    let expected = map.winding_angles.len() * moduli;
+    let expected = map.node_count();
     if map.paths.len() != expected {
         return Err(FreeSweepError::Shape { expected, found: map.paths.len() });
     }
     let is_done = |row: usize| match row.checked_sub(expected) {
         None => map.paths[row].is_some(),
-        Some(check) => map.checks.iter().any(|(free, _)| *free == check_points[check]),
+        Some(check) => map.checks.iter().any(|(node, _)| *node == check_points[check]),
     };
-    let rows: Vec<(usize, Free)> = (0..expected + check_points.len())
+    let rows: Vec<(usize, LoadedFree)> = (0..expected + check_points.len())
         .filter(|row| shard.owns(*row) && !is_done(*row))
         .map(|row| match row.checked_sub(expected) {
-            None => (row, map.free.at(map.winding_angles[row / moduli], map.shear_moduli[row % moduli])),
-            Some(check) => (row, check_points[check]),
+            None => Ok((row, map.at(&map.coordinates(row))?)),
+            Some(check) => Ok((row, check_points[check])),
         })
-        .collect();
+        .collect::<Result<_, ParameterError>>()?;
 
     let pressures = map.pressures.clone();
     let (next, steps_done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let (sender, receiver) = mpsc::channel::<(usize, Free, Result<FreePath, PathError>)>();
+    let (sender, receiver) = mpsc::channel::<(usize, LoadedFree, Result<FreePath, PathError>)>();
     let mut report = FreeSweepReport::default();
     std::thread::scope(|scope| {
         for _ in 0..run.jobs.clamp(1, rows.len().max(1)) {
@@ -216,18 +255,18 @@ pub(crate) fn fill(
                 (sender.clone(), &next, &rows, &pressures, &steps_done);
             scope.spawn(move || {
                 while !run.is_stopped() {
-                    let Some(&(row, free)) = rows.get(next.fetch_add(1, Ordering::Relaxed)) else {
+                    let Some(&(row, node)) = rows.get(next.fetch_add(1, Ordering::Relaxed)) else {
                         break;
                     };
                     let steps = steps_a_path * rows.len();
                     let mut told = Told { run, steps_done, steps, own: 0, most: steps_a_path };
-                    let path = match path(&free, pressures, &mut told) {
+                    let path = match path(&node, pressures, &mut told) {
                         Err(None) => break,
                         Err(Some(error)) => Err(error),
                         Ok(path) => Ok(path),
                     };
                     // The receiver outlives the scope; were it gone, there would be nobody to compute for.
-                    if sender.send((row, free, path)).is_err() {
+                    if sender.send((row, node, path)).is_err() {
                         break;
                     }
                     told.finish();
@@ -236,24 +275,24 @@ pub(crate) fn fill(
         }
         drop(sender);
         let mut done = 0;
-        for (row, free, path) in &receiver {
+        for (row, node, path) in &receiver {
             done += 1;
             match path {
                 Ok(path) => {
                     report.computed += 1;
                     match map.paths.get_mut(row) {
-                        Some(node) => *node = Some(path),
-                        None => map.checks.push((free, path)),
+                        Some(place) => *place = Some(path),
+                        None => map.checks.push((node, path)),
                     }
                     checkpoint(map);
                 }
-                Err(error) => report.failed.push(FailedPath { free, error }),
+                Err(error) => report.failed.push(FailedPath { node, error }),
             }
         }
         report.left = rows.len() - done;
     });
     // In the order of the points, whichever thread was first.
-    let place = |free: &Free| check_points.iter().position(|point| point == free);
-    map.checks.sort_by_key(|(free, _)| place(free));
+    let place = |node: &LoadedFree| check_points.iter().position(|point| point == node);
+    map.checks.sort_by_key(|(node, _)| place(node));
     Ok(report)
 }

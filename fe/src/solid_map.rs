@@ -2,7 +2,7 @@ use crate::{
     FreeSweepError, FreeSweepReport, PathError, Run, SectionMesh, SectionSolver, Shard, SolidError,
     SolidMesh, SolidSolver, SolidState, Specimen, free_sweep,
 };
-use actuator::{Fidelity, Free, FreeMap, FreePath, FreeState, units::DEG};
+use actuator::{Fidelity, Free, FreeMap, FreePath, FreeState, LoadedFree, MapAxis, units::DEG};
 
 /// Length of an element along the tube, over the outer radius: 1.45 mm for the paper's tube.
 const ALONG: f64 = 0.26;
@@ -81,15 +81,17 @@ impl SolidSweep {
     /// [`FreeSweepError`] where an axis, the mesh or the FREE at one of the ends makes no sense.
     pub fn empty_map(
         &self,
-        free: Free,
-        [winding_angles, shear_moduli, pressures]: [Vec<f64>; 3],
+        node: LoadedFree,
+        axes: Vec<MapAxis>,
+        pressures: Vec<f64>,
         source: (String, String),
     ) -> Result<FreeMap, FreeSweepError> {
-        let settings = self.settings(&free, &winding_angles);
-        let made_by = (Fidelity::Solid { elements: self.elements }, settings);
-        free_sweep::empty_map(free, [winding_angles, shear_moduli, pressures], made_by, source, &|node| {
-            Ok(self.solver(node).map(|_| ())?)
-        })
+        let made_by = (Fidelity::Solid { elements: self.elements }, String::new());
+        let mut map = free_sweep::empty_map(node, axes, pressures, made_by, source, &|node| {
+            Ok(self.solver(&node.free).map(|_| ())?)
+        })?;
+        map.settings = self.settings(&map.node.free, map.winding_angles());
+        Ok(map)
     }
 
     /// The settings in words, as they stand in the map.
@@ -108,15 +110,15 @@ impl SolidSweep {
         let bulk_ratio = Specimen::from(free).bulk_ratio;
         format!(
             "solid between rigid caps, from one fibre to the next, 27-node hexahedra with linear pressure, bulk over shear modulus {bulk_ratio:.0}; elements \
-             through the wall, around, along: {}; fibres without width; {} checks, seed {}",
+             through the wall, around, along: {}; fibres as wide as described; {} checks, seed {}",
             meshes.join(", "),
             self.checks,
             self.seed
         )
     }
 
-    /// The FREEs of the checks, at angles and moduli between the nodes; none where the map has a single node.
-    pub fn check_points(&self, map: &FreeMap) -> Vec<Free> {
+    /// The FREEs of the checks, between the nodes; none where the map has a single node.
+    pub fn check_points(&self, map: &FreeMap) -> Vec<LoadedFree> {
         free_sweep::check_points(map, self.checks, self.seed)
     }
 
@@ -127,11 +129,11 @@ impl SolidSweep {
     /// [`SolidError`] where there is no such solid, where the path is lost or stopped.
     pub fn path(
         &self,
-        free: &Free,
+        node: &LoadedFree,
         pressures: &[f64],
         told: &mut dyn FnMut() -> bool,
     ) -> Result<FreePath, SolidError> {
-        self.path_seen(free, pressures, told, &mut |_, _, _| true)
+        self.path_seen(node, pressures, told, &mut |_, _, _| true)
     }
 
     /// The same path, its states being shown to `seen` with the solver; see [`SolidSolver::free_path_seen`].
@@ -140,12 +142,12 @@ impl SolidSweep {
     /// Those of [`SolidSweep::path`].
     pub fn path_seen<'a>(
         &self,
-        free: &Free,
+        node: &LoadedFree,
         pressures: &[f64],
         told: &mut dyn FnMut() -> bool,
         seen: &'a mut (dyn FnMut(&SolidSolver, &SolidState, &FreeState) -> bool + 'a),
     ) -> Result<FreePath, SolidError> {
-        self.solver(free)?.free_path_seen(pressures, section_limit(free), told, seen)
+        self.solver(&node.free)?.free_path_seen(node.load, pressures, section_limit(node), told, seen)
     }
 
     /// Computes the paths of the map that are missing and belong to `shard`; see [`crate::FreeSweep::fill`]. Progress is told in
@@ -162,8 +164,8 @@ impl SolidSweep {
     ) -> Result<FreeSweepReport, FreeSweepError> {
         let check_points = self.check_points(map);
         let steps = map.pressures.len();
-        free_sweep::fill(map, &check_points, shard, (run, steps), checkpoint, &|free, pressures, told| {
-            self.path(free, pressures, &mut || told.step()).map_err(|error| match error {
+        free_sweep::fill(map, &check_points, shard, (run, steps), checkpoint, &|node, pressures, told| {
+            self.path(node, pressures, &mut || told.step()).map_err(|error| match error {
                 SolidError::Stopped => None,
                 error => Some(PathError::Solid(error)),
             })
@@ -173,16 +175,16 @@ impl SolidSweep {
 
 /// Limit pressure (Pa) of the FREE's section, where there is one: found in milliseconds, it says how far a solid's pressure may be
 /// prescribed.
-fn section_limit(free: &Free) -> Option<f64> {
-    let mut solver = SectionSolver::new(free, SectionMesh::default()).ok()?;
-    solver.path(&[0.0], 0).ok()?.limit_pressure()
+fn section_limit(node: &LoadedFree) -> Option<f64> {
+    let mut solver = SectionSolver::new(&node.free, SectionMesh::default()).ok()?;
+    solver.path_under(node.load, &[0.0], 0).ok()?.limit_pressure()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{FreeSweep, section::tests::free};
-    use actuator::PathEnd;
+    use actuator::{EndLoad, PathEnd};
     use std::sync::{
         Mutex,
         atomic::{AtomicBool, Ordering},
@@ -199,7 +201,7 @@ mod tests {
     const COARSE: SolidSweep = SolidSweep { elements: Some([1, 12, 45]), checks: 1, seed: 3 };
 
     fn path(free: &Free, pressures: &[f64]) -> FreePath {
-        COARSE.path(free, pressures, &mut || true).unwrap()
+        COARSE.path(&(*free).into(), pressures, &mut || true).unwrap()
     }
 
     #[test]
@@ -227,7 +229,7 @@ mod tests {
         let path = path(&free, &[0.0, 2e4, 4e4, 5.1e4, 9e4]);
         assert_eq!(path.end, PathEnd::LimitPoint);
         let limit = path.limit_pressure().unwrap();
-        let section = section_limit(&free).unwrap();
+        let section = section_limit(&free.into()).unwrap();
         assert!(limit > section && limit < 1.3 * section, "{limit} against {section}");
         assert!(path.states.windows(2).all(|pair| pair[1].pressure > pair[0].pressure));
         assert!(path.states.iter().all(|state| state.residual < 1e-8));
@@ -259,7 +261,7 @@ mod tests {
         for pressures in [vec![0.0, 2e4, 4e4], vec![0.0, 4e4, limit * (1.0 - 1e-8), 9e4]] {
             let mut shown = vec![];
             let found = COARSE
-                .path_seen(&free, &pressures, &mut || true, &mut |solver, state, report| {
+                .path_seen(&free.into(), &pressures, &mut || true, &mut |solver, state, report| {
                     assert_eq!((state.load().pressure, state.residual()), (report.pressure, report.residual));
                     assert_eq!(solver.deformation(state).stretch_total, report.axial_stretch);
                     shown.push(*report);
@@ -270,7 +272,7 @@ mod tests {
         }
         // A viewer who has seen enough ends the path.
         let mut seen = 0;
-        let stopped = COARSE.path_seen(&free, &[0.0, 2e4, 4e4], &mut || true, &mut |_, _, _| {
+        let stopped = COARSE.path_seen(&free.into(), &[0.0, 2e4, 4e4], &mut || true, &mut |_, _, _| {
             seen += 1;
             seen < 2
         });
@@ -282,24 +284,24 @@ mod tests {
         let free = short(60.0);
         let limit = path(&free, &[0.0, 9e4]).limit_pressure().unwrap();
         let mut solver = COARSE.solver(&free).unwrap();
-        let blind = solver.free_path(&[0.0, 3e4, 9e4], None, &mut || true).unwrap();
+        let blind = solver.free_path(EndLoad::NONE, &[0.0, 3e4, 9e4], None, &mut || true).unwrap();
         assert!((blind.limit_pressure().unwrap() / limit - 1.0).abs() < 1e-4, "{blind:?}");
     }
 
     #[test]
     fn the_middle_of_a_tube_is_its_section() {
         let mut free = short(30.0);
-        // What descriptions have; a solid's fibres have no width.
+        // What descriptions have.
         free.winding.fibre.diameter = 0.15e-3;
         let pressures = [0.0, 2e4, 4e4];
-        let solid = SolidSweep::default().path(&free, &pressures, &mut || true).unwrap();
+        let solid = SolidSweep::default().path(&free.into(), &pressures, &mut || true).unwrap();
         assert_eq!((solid.end, solid.states.len()), (PathEnd::Range, 3));
         let mut section = SectionSolver::new(&free, FreeSweep::default().mesh).unwrap();
         let section = section.path(&pressures, 0).unwrap();
         for (ours, theirs) in solid.states.iter().zip(&section.states) {
             let middle = ours.middle.unwrap();
             let strain = theirs.axial_stretch - 1.0;
-            // What remains is the mesh, and the width of the section's fibres: 0.3 % of the twist would be twice the width.
+            // What remains is the mesh.
             assert!((middle.axial_stretch - theirs.axial_stretch).abs() <= 0.005 * strain.abs() + 1e-12);
             assert!((ours.expansion - theirs.expansion).abs() < 2e-4, "{ours:?} {theirs:?}");
             let twist = theirs.twist_per_length;
@@ -318,10 +320,10 @@ mod tests {
         let mut free = short(30.0);
         free.tube.length = 20e-3;
         let sweep = SolidSweep { elements: Some([1, 12, 10]), ..SolidSweep::default() };
-        let sector = sweep.path(&free, &[0.0, 3e4], &mut || true).unwrap().states[1];
+        let sector = sweep.path(&free.into(), &[0.0, 3e4], &mut || true).unwrap().states[1];
         let mut whole = SolidSolver::new(&Specimen::from(&free), sweep.mesh(&free)).unwrap();
         assert!(whole.unknowns() > 5 * sweep.solver(&free).unwrap().unknowns());
-        let whole = whole.free_path(&[0.0, 3e4], None, &mut || true).unwrap().states[1];
+        let whole = whole.free_path(EndLoad::NONE, &[0.0, 3e4], None, &mut || true).unwrap().states[1];
         let values = |state: FreeState| [state.axial_stretch, state.expansion, state.twist_per_length];
         for (a, b) in values(sector).into_iter().zip(values(whole)) {
             assert!((a - b).abs() < 1e-7 * a.abs(), "{sector:?} {whole:?}");
@@ -333,8 +335,8 @@ mod tests {
         let sweep = SolidSweep { elements: Some([1, 12, 10]), checks: 1, seed: 3 };
         let angles: Vec<f64> = [25.0f64, 40.0].map(f64::to_radians).to_vec();
         let empty = || {
-            let axes = [angles.clone(), vec![0.393e6], vec![1e4, 2e4]];
-            sweep.empty_map(short(30.0), axes, Default::default()).unwrap()
+            let axes = MapAxis::of_angles_and_moduli(angles.clone(), vec![0.393e6]);
+            sweep.empty_map(short(30.0).into(), axes, vec![1e4, 2e4], Default::default()).unwrap()
         };
         let (stop, told) = (AtomicBool::new(false), Mutex::new(Vec::new()));
         let mut whole = empty();
@@ -371,8 +373,8 @@ mod tests {
             let mut free = short(30.0);
             free.winding.fibres = fibres;
             let sweep = SolidSweep { elements, ..SolidSweep::default() };
-            let axes = [vec![angle.to_radians()], vec![0.4e6], vec![1e4]];
-            sweep.empty_map(free, axes, Default::default()).unwrap_err().to_string()
+            let axes = MapAxis::of_angles_and_moduli(vec![angle.to_radians()], vec![0.4e6]);
+            sweep.empty_map(free.into(), axes, vec![1e4], Default::default()).unwrap_err().to_string()
         };
         assert!(message(Some([1, 10, 10]), 30.0, 6).contains("even number for each fibre"));
         assert!(message(Some([0, 12, 10]), 30.0, 6).contains("at least one through the wall"));

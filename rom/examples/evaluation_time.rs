@@ -5,7 +5,8 @@
 
 use actuator::{
     Base, Elastomer, Fibre, FibreLaw, Fidelity, Free, FreeMap, FreePath, FreeState, Handedness, Limits,
-    MapParameter, Module, ModuleMap, ModuleState, PathEnd, PlacedFree, PoseChart, Tip, Tube, Winding,
+    MapAxis, MapParameter, Module, ModuleMap, ModuleState, PathEnd, PlacedFree, PoseChart, Tip, Tube,
+    Winding,
 };
 use rom::{FreeModel, ModuleModel, PoseModel, recommended_pressure_nodes};
 use std::{hint::black_box, time::Instant};
@@ -36,18 +37,19 @@ fn free_model() -> Result<FreeModel, Box<dyn std::error::Error>> {
                 twist_per_length: -90.0 * s * (2.0 * angle).sin(),
                 residual: 0.0,
                 middle: None,
+                section: None,
+                mesh_error: None,
             }
         };
-        Some(FreePath { states: (0..=30).map(state).collect(), end: PathEnd::LimitPoint })
+        Some(FreePath::solved((0..=30).map(state).collect(), PathEnd::LimitPoint))
     };
     let paths = winding_angles
         .iter()
         .flat_map(|angle| shear_moduli.iter().map(move |modulus| path(*angle, *modulus)));
     Ok(FreeModel::fit(&FreeMap {
-        free: free(),
+        node: free().into(),
         paths: paths.collect(),
-        winding_angles,
-        shear_moduli: shear_moduli.clone(),
+        axes: MapAxis::of_angles_and_moduli(winding_angles, shear_moduli.clone()),
         pressures: vec![0.0],
         checks: Vec::new(),
         fidelity: Fidelity::Section,

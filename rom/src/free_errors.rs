@@ -90,7 +90,8 @@ impl FreeErrors {
             to.expansion.push(expansion);
             to.twist_per_length.push(twist);
         };
-        for (free, path) in &map.checks {
+        for (node, path) in &map.checks {
+            let free = &node.free;
             let point = [free.winding.angle_from_hoop(), free.elastomer.shear_modulus()];
             judge_path(model, point, path, twist_of_map, |pressure, end, errors| match errors {
                 Err(_) => result.outside += 1,
@@ -111,8 +112,8 @@ impl FreeErrors {
                 limit_pressure.push((ours - theirs) / theirs);
             }
         }
-        for (i, angle) in map.winding_angles.iter().enumerate() {
-            for (j, modulus) in map.shear_moduli.iter().enumerate() {
+        for (i, angle) in map.winding_angles().iter().enumerate() {
+            for (j, modulus) in map.shear_moduli().iter().enumerate() {
                 let Some(path) = map.path(i, j) else { continue };
                 judge_path(model, [*angle, *modulus], path, twist_of_map, |_, _, errors| {
                     // The last two hundredths below a limit point are outside the domain by intent.

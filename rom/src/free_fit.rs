@@ -21,6 +21,15 @@ pub enum FreeFitError {
         /// The first few, in words.
         first: String,
     },
+    /// More axes than a model has.
+    #[error(
+        "the map extends over {axis} as well, a model of a FREE over pressure, winding angle and shear modulus only; make a map for one \
+         value of {axis} and fit that"
+    )]
+    NamedAxis {
+        /// The axis, by its name in files.
+        axis: &'static str,
+    },
     /// A path that cannot be one.
     #[error("the path at {place} {problem}; make the map again")]
     BadPath {
@@ -109,15 +118,18 @@ impl FreeModel {
     /// Fits the map; its `checks` are not fitted but judged on, see [`FreeModel::errors`]. One angle or one modulus is enough: that
     /// value is then the domain.
     pub fn fit(map: &FreeMap) -> Result<Self, FreeFitError> {
-        for (axis, nodes) in [&map.winding_angles, &map.shear_moduli].into_iter().enumerate() {
+        if let Some(axis) = map.named_axes().first() {
+            return Err(FreeFitError::NamedAxis { axis: axis.parameter.name() });
+        }
+        for (axis, nodes) in [map.winding_angles(), map.shear_moduli()].into_iter().enumerate() {
             if nodes.is_empty() {
                 return Err(SplineError::EmptyAxis { axis }.into());
             }
         }
         let points: Vec<(f64, f64)> = map
-            .winding_angles
+            .winding_angles()
             .iter()
-            .flat_map(|angle| map.shear_moduli.iter().map(|modulus| (*angle, *modulus)))
+            .flat_map(|angle| map.shear_moduli().iter().map(|modulus| (*angle, *modulus)))
             .collect();
         if map.paths.len() != points.len() {
             return Err(SplineError::Count { expected: points.len(), found: map.paths.len() }.into());
@@ -143,7 +155,7 @@ impl FreeModel {
             states.extend(resample(path, reference, &nodes)?);
             limited.push(path.end == PathEnd::LimitPoint);
         }
-        let (angles, moduli) = (map.winding_angles.clone(), map.shear_moduli.clone());
+        let (angles, moduli) = (map.winding_angles().to_vec(), map.shear_moduli().to_vec());
         if let Some(angle) = angles.iter().find(|angle| **angle <= 0.0) {
             let place = in_words(*angle, moduli[0]);
             return Err(FreeFitError::BadPath { place, problem: "has a winding angle that is not positive" });
@@ -152,7 +164,7 @@ impl FreeModel {
         let roots = angles.iter().map(|angle| angle.sqrt()).collect();
         let scaled_reference = TensorSpline::interpolate(vec![angles, moduli.clone()], references)?;
         let states = TensorSpline::interpolate(vec![roots, moduli, nodes], states)?;
-        let facts = FreeFacts { free: map.free, limited, errors: FreeErrors::default() };
+        let facts = FreeFacts { free: map.node.free, limited, errors: FreeErrors::default() };
         let mut model = Self::assemble(facts, scaled_reference, states)?;
         model.set_errors(FreeErrors::of(&model, map));
         Ok(model)

@@ -2,8 +2,8 @@
 
 use actuator::{
     Base, Elastomer, Fibre, FibreLaw, Fidelity, Free, FreeMap, FreePath, FreeState, Handedness, Limits,
-    MapParameter, Module, ModuleCheck, ModuleMap, ModuleState, OgdenForm, PathEnd, PlacedFree, PoseChart,
-    Tip, Tube, Winding,
+    MapAxis, MapParameter, Module, ModuleCheck, ModuleMap, ModuleState, OgdenForm, PathEnd, PlacedFree,
+    PoseChart, Tip, Tube, Winding,
 };
 
 /// A FREE of 170 mm.
@@ -104,6 +104,8 @@ pub fn free_state(angle: f64, modulus: f64, s: f64) -> FreeState {
         twist_per_length: -soft * (90.0 * s * (2.0 * angle).sin() + 30.0 * s * s * angle.cos()),
         residual: 1e-10,
         middle: None,
+        section: None,
+        mesh_error: None,
     }
 }
 
@@ -119,10 +121,8 @@ pub fn free_path(angle: f64, modulus: f64, steps: usize, upper: Option<f64>) -> 
         let u = i as f64 / (steps - 1) as f64;
         end * (u + 0.1 * (1.0 - u) * u)
     };
-    FreePath {
-        states: (0..steps).map(|i| free_state(angle, modulus, place(i))).collect(),
-        end: if end < 1.0 { PathEnd::Range } else { PathEnd::LimitPoint },
-    }
+    let states = (0..steps).map(|i| free_state(angle, modulus, place(i))).collect();
+    FreePath::solved(states, if end < 1.0 { PathEnd::Range } else { PathEnd::LimitPoint })
 }
 
 /// A complete map with a check path in the middle of every cell.
@@ -141,15 +141,14 @@ pub fn free_map(
     };
     let path = |angle, modulus| free_path(angle, modulus, steps, upper);
     FreeMap {
-        free: free(),
+        node: free().into(),
         pressures: (0..8).map(|i| f64::from(i) * 1e4).collect(),
         paths: grid(&winding_angles, &shear_moduli).into_iter().map(|(a, m)| Some(path(a, m))).collect(),
         checks: grid(&between(&winding_angles), &between(&shear_moduli))
             .into_iter()
-            .map(|(angle, modulus)| (free().at(angle, modulus), path(angle, modulus)))
+            .map(|(angle, modulus)| (free().at(angle, modulus).into(), path(angle, modulus)))
             .collect(),
-        winding_angles,
-        shear_moduli,
+        axes: MapAxis::of_angles_and_moduli(winding_angles, shear_moduli),
         fidelity: Fidelity::Section,
         settings: "analytic".into(),
         source: ("synthetic".into(), "kind = \"free\"\n".into()),

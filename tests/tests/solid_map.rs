@@ -44,7 +44,7 @@ fn a_short_free_from_description_to_model() {
     freeact_in(folder, &format!("map {AXES} --out @section.map")).succeeded();
     let (solid, section) = (csv(folder, "solid.map"), csv(folder, "section.map"));
     assert_eq!(
-        solid.columns.join(","),
+        solid.columns[..10].join(","),
         "winding_angle_deg,shear_modulus_mpa,pressure_kpa,axial_stretch,expansion,twist_per_length_deg_per_mm,\
          mid_axial_stretch,mid_twist_per_length_deg_per_mm,limit_pressure_kpa,status"
     );
@@ -61,7 +61,7 @@ fn a_short_free_from_description_to_model() {
         assert!((mid_stretch - stretch).abs() < 5e-3 * (stretch - 1.0).abs() + 5e-4, "{ours:?} {theirs:?}");
         let mid_twist = solid.number(ours, "mid_twist_per_length_deg_per_mm");
         assert!((mid_twist - twist).abs() <= 0.015 * twist.abs() + 1e-9, "{ours:?} {theirs:?}");
-        assert_eq!(ours.last().map(String::as_str), Some("converged"));
+        assert_eq!(ours[9], "converged");
         compared += 1;
     }
     assert_eq!(compared, 10);

@@ -10,7 +10,7 @@ use crate::{
     table::{Table, duration, short},
 };
 use actuator::{
-    Description, Rig,
+    Description, MapAxis, Rig,
     units::{DEG, GRAM, KPA, MM, MPA},
 };
 use control::{Blend, Preference, SolveInput, Solver, Status, Target, Trajectory, Waypoint};
@@ -136,7 +136,8 @@ fn free_map(path: &Path) -> Result<String, Failure> {
     let angles = (1..=8).map(|i| f64::from(i) * 10.0 * DEG).collect();
     let moduli = vec![0.1965 * MPA, 0.393 * MPA, 0.786 * MPA];
     let pressures = (0..=14).map(|i| f64::from(i) * 5.0 * KPA).collect();
-    let mut map = sweep::plan_free(&sweep, &rig, rig.frees()[0], [angles, moduli, pressures])?;
+    let axes = MapAxis::of_angles_and_moduli(angles, moduli);
+    let mut map = sweep::plan_free(&sweep, &rig, axes, pressures)?;
     Sweeping::whole().free(&sweep, &mut map)?;
     let states: usize = map.paths.iter().flatten().map(|path| path.states.len()).sum();
     let limit = |i: usize| {

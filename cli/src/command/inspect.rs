@@ -1,4 +1,5 @@
 use crate::{
+    axis::Axis,
     content::{self, Content},
     exit::Exit,
     failure::{Failure, Outcome},
@@ -7,7 +8,7 @@ use crate::{
     solid_states::{Choice, SolidStates},
     values::Values,
 };
-use actuator::Fidelity;
+use actuator::{Fidelity, FreeParameter};
 use fe::SolidSweep;
 use std::path::{Path, PathBuf};
 
@@ -56,6 +57,10 @@ pub struct Inspect {
     /// Shear moduli of the paths for --vtu (default: all)
     #[arg(long, value_name = "MPA", requires = "vtu", allow_hyphen_values = true)]
     shear_modulus_mpa: Option<Values>,
+
+    /// Values of another axis of the map for --vtu, as in wall_mm=0.8; may be given several times (default: all)
+    #[arg(long, value_name = "NAME=VALUES", requires = "vtu")]
+    axis: Vec<Axis>,
 
     /// Pressures of the states for --vtu (default: every state)
     #[arg(long, value_name = "KPA", requires = "vtu", allow_hyphen_values = true)]
@@ -129,7 +134,7 @@ impl Inspect {
             }
             Some(MapFile::Free(map)) => match map.fidelity {
                 Fidelity::Solid { elements } => (map, elements),
-                Fidelity::Section => {
+                Fidelity::Section | Fidelity::CappedSection => {
                     return Err(Failure::refused(format!(
                         "{file}: --vtu: this map is by section, without a tube to show; make one by `freeact map --fidelity solid`"
                     )));
@@ -137,11 +142,14 @@ impl Inspect {
             },
         };
         let values = |values: &Option<Values>| values.as_ref().map(|values| values.0.clone());
-        let choice = Choice {
-            winding_angles: values(&self.winding_angle),
-            shear_moduli: values(&self.shear_modulus_mpa),
-            pressures: values(&self.at_kpa),
-        };
+        let always = [
+            (FreeParameter::WindingAngle, values(&self.winding_angle)),
+            (FreeParameter::ShearModulus, values(&self.shear_modulus_mpa)),
+        ];
+        let mut chosen: Vec<_> =
+            always.into_iter().filter_map(|(parameter, values)| Some((parameter, values?))).collect();
+        chosen.extend(self.axis.iter().map(|axis| (axis.parameter, axis.values.0.clone())));
+        let choice = Choice { values: chosen, pressures: values(&self.at_kpa) };
         let sweep = SolidSweep { elements, ..SolidSweep::default() };
         let wanted = choice.wanted(map).map_err(|failure| failure.about(&self.file))?;
         SolidStates::write(map, &sweep, &wanted, directory)

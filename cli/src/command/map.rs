@@ -1,24 +1,22 @@
 use crate::{
+    axis::Axis,
     content::Content,
     exit::Exit,
     failure::{Failure, Outcome},
     interrupt,
     map_file::MapFile,
     output,
+    part::Part,
     sweep::{self, Sweeping, Swept},
     table::{duration, short},
     values::Values,
 };
-use actuator::{
-    Description, Free, FreeMap, Module, ModuleMap, Rig,
-    units::{DEG, KPA, MPA},
-};
+use actuator::{Description, FreeMap, FreeParameter, MapAxis, Module, ModuleMap, Rig, units::KPA};
 use fe::{FreeSweep, FreeSweepError, ModuleSweep, PathError, SolidError, SolidSweep};
 use serde_json::json;
 use std::{
     io::{IsTerminal, stderr},
     path::PathBuf,
-    str::FromStr,
     time::{Duration, Instant},
 };
 
@@ -37,6 +35,7 @@ use std::{
 #[command(after_help = "Examples:
   freeact map --of data/actuators/buffinton-2020.toml --out paper.map --winding-angles 10:80:10 --shear-moduli-mpa 0.2,0.393,0.6
   freeact map --of data/actuators/buffinton-2020.toml --out solid.map --fidelity solid --winding-angles 20:60:10
+  freeact map --of data/actuators/buffinton-2020.toml --out walls.map --axis wall_mm=0.6:1.0:0.1 --axis fibres=4,6,8
   freeact map --of data/modules/buffinton-2020-30lr.toml --out module.map --nodes 7
   freeact map --of data/modules/buffinton-2020-30lr.toml --out part.1.map --shard 1/4")]
 pub struct Map {
@@ -55,6 +54,11 @@ pub struct Map {
     /// Shear moduli: a list or first:last:step (FREE; default: the description's own)
     #[arg(long, value_name = "MPA", value_parser = positive_list, allow_hyphen_values = true)]
     shear_moduli_mpa: Option<Values>,
+
+    /// A further axis of a FREE's map, by its name in files, as in wall_mm=0.6:1.0:0.2; may be given several times. There are wall_mm,
+    /// inner_diameter_mm, alpha (of an Ogden rubber), fibres, fibre_ea_newton, fibre_diameter_mm, axial_force_n and torque_nmm
+    #[arg(long, value_name = "NAME=VALUES")]
+    axis: Vec<Axis>,
 
     /// Greatest pressure (default: 70 for a FREE, the description's pressure_max_kpa for a module)
     #[arg(long, value_name = "KPA", value_parser = positive, allow_hyphen_values = true)]
@@ -111,25 +115,6 @@ enum Fidelity {
     Solid,
     /// Rods that bend, stretch and twist between rigid plates
     Rod,
-}
-
-/// A part of a sweep, written `i/n` and counted from one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Part(fe::Shard);
-
-impl FromStr for Part {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let numbers: Option<(usize, usize)> =
-            text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
-        match numbers {
-            Some((index, count)) if 1 <= index && index <= count => {
-                Ok(Part(fe::Shard { index: index - 1, count }))
-            }
-            _ => Err("write i/n with i from 1 to n, as in 1/4".into()),
-        }
-    }
 }
 
 /// Elements of a solid through the wall, around and along.
@@ -236,8 +221,8 @@ impl Map {
             (_, fidelity) if self.elements.is_some() && fidelity != Some(Fidelity::Solid) => {
                 usage("--elements is for solids; give --fidelity solid with it, or leave it out")
             }
-            (Description::Free(free), Some(Fidelity::Solid)) => self.plan_solid(rig, *free),
-            (Description::Free(free), _) => self.plan_free(rig, *free),
+            (Description::Free(_), Some(Fidelity::Solid)) => self.plan_solid(rig),
+            (Description::Free(_), _) => self.plan_free(rig),
             (Description::Module(_), _)
                 if self.winding_angles.is_some() || self.shear_moduli_mpa.is_some() =>
             {
@@ -249,18 +234,18 @@ impl Map {
         }
     }
 
-    fn plan_free(&self, rig: &Rig, free: Free) -> Result<Plan, Failure> {
+    fn plan_free(&self, rig: &Rig) -> Result<Plan, Failure> {
         let mut sweep = FreeSweep { seed: self.seed, ..FreeSweep::default() };
         sweep.checks = self.checks.unwrap_or(sweep.checks);
-        let map = sweep::plan_free(&sweep, rig, free, self.free_axes(free, 1.0)?)?;
+        let map = sweep::plan_free(&sweep, rig, self.axes()?, self.pressures(1.0)?)?;
         Ok(Plan::Free(sweep, map))
     }
 
-    fn plan_solid(&self, rig: &Rig, free: Free) -> Result<Plan, Failure> {
+    fn plan_solid(&self, rig: &Rig) -> Result<Plan, Failure> {
         let mut sweep = SolidSweep { elements: self.elements, seed: self.seed, ..SolidSweep::default() };
         sweep.checks = self.checks.unwrap_or(sweep.checks);
         let source = (rig.name.clone(), rig.text.clone());
-        let planned = sweep.empty_map(free, self.free_axes(free, 5.0)?, source);
+        let planned = sweep.empty_map(rig.frees()[0].into(), self.axes()?, self.pressures(5.0)?, source);
         let map = planned.map_err(|error| match &error {
             // Of a mesh that was given the command line is at fault, not the description.
             FreeSweepError::Free { source: PathError::Solid(SolidError::Invalid { field, .. }), .. }
@@ -268,31 +253,30 @@ impl Map {
             {
                 Failure::usage(format!("--elements: {error}"))
             }
-            _ => Failure::file(error).about(&rig.path),
+            _ => sweep::unplanned(error, rig),
         })?;
         Ok(Plan::Solid(sweep, map))
     }
 
-    /// Winding angles, shear moduli and pressures (SI) of a FREE's map; `usual_step` of the pressures is in kPa.
-    fn free_axes(&self, free: Free, usual_step: f64) -> Result<[Vec<f64>; 3], Failure> {
-        let axis = |values: &Option<Values>, flag: &str, unit: f64, own: f64| -> Result<Vec<f64>, Failure> {
-            match values {
-                None => Ok(vec![own]),
-                Some(values) => Ok(values
-                    .rising(flag)
-                    .map_err(Failure::usage)?
-                    .iter()
-                    .map(|value| value * unit)
-                    .collect()),
-            }
-        };
-        let angles = axis(&self.winding_angles, "--winding-angles", DEG, free.winding.angle_from_hoop())?;
-        let moduli = axis(&self.shear_moduli_mpa, "--shear-moduli-mpa", MPA, free.elastomer.shear_modulus())?;
+    /// The axes asked for (SI).
+    fn axes(&self) -> Result<Vec<MapAxis>, Failure> {
+        let own = [
+            (FreeParameter::WindingAngle, &self.winding_angles),
+            (FreeParameter::ShearModulus, &self.shear_moduli_mpa),
+        ];
+        let own = own
+            .into_iter()
+            .filter_map(|(parameter, values)| Some(Axis { parameter, values: values.as_ref()?.clone() }));
+        let axes: Vec<Axis> = own.chain(self.axis.iter().cloned()).collect();
+        axes.iter().map(|axis| axis.rising().map_err(Failure::usage)).collect()
+    }
+
+    /// Pressures of a FREE's map, Pa; their `usual_step` is in kPa.
+    fn pressures(&self, usual_step: f64) -> Result<Vec<f64>, Failure> {
         let greatest = self.pressure_max_kpa.unwrap_or(70.0);
         let step = self.pressure_step_kpa.unwrap_or(usual_step).min(greatest);
         let pressures: Values = format!("0:{greatest}:{step}").parse().map_err(Failure::usage)?;
-        let pressures = pressures.0.iter().map(|kpa| kpa * KPA).collect();
-        Ok([angles, moduli, pressures])
+        Ok(pressures.0.iter().map(|kpa| kpa * KPA).collect())
     }
 
     fn plan_module(&self, rig: &Rig, module: &Module) -> Result<Plan, Failure> {
@@ -387,8 +371,8 @@ fn announce(sweep: &SolidSweep, map: &FreeMap) {
     if !stderr().is_terminal() {
         return;
     }
-    let unknowns = map.winding_angles.iter().filter_map(|angle| {
-        let node = map.free.at(*angle, map.shear_moduli[0]);
+    let unknowns = map.winding_angles().iter().filter_map(|angle| {
+        let node = map.node.free.at(*angle, map.shear_moduli()[0]);
         Some(sweep.solver(&node).ok()?.unknowns())
     });
     eprintln!(
@@ -410,14 +394,6 @@ mod tests {
         assert_eq!(elements("1,12,90"), Ok([1, 12, 90]));
         for wrong in ["1,12", "0,12,90", "1,12,90,4", "a", "1,-2,90", "1,12,1e9", ""] {
             assert!(elements(wrong).unwrap_err().contains("as in 1,12,90"), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn parts_are_counted_from_one() {
-        assert_eq!("2/4".parse::<Part>().unwrap().0, fe::Shard { index: 1, count: 4 });
-        for wrong in ["0/4", "5/4", "1", "a/b", "-1/2", "1/0"] {
-            assert!(wrong.parse::<Part>().is_err(), "{wrong}");
         }
     }
 

@@ -5,7 +5,9 @@ use crate::{
     plot::{Chart, Mark, Series},
     table::{Table, short},
 };
-use actuator::{Fidelity, FreeMap, FreePath, FreeState, Middle, ModuleMap, PoseChart, units::*};
+use actuator::{
+    Fidelity, FreeMap, FreeParameter, FreePath, FreeState, Middle, ModuleMap, PoseChart, units::*,
+};
 use serde_json::json;
 use std::path::Path;
 
@@ -66,61 +68,60 @@ impl Content for FreeMap {
         );
         let solid = self.fidelity != Fidelity::Section;
         let reference = self.common_pressure();
-        let mut head = vec![
-            "winding (° from hoop)".to_owned(),
-            "µ (MPa)".into(),
+        let mut head = vec!["winding (° from hoop)".to_owned(), "µ (MPa)".into()];
+        head.extend(self.named_axes().iter().map(|axis| axis.parameter.label().to_owned()));
+        head.extend([
             "states".into(),
             "limit (kPa)".into(),
             format!("at {} kPa: stretch", short(reference / KPA)),
             "expansion".into(),
             "twist (°/mm)".into(),
-        ];
+        ]);
         if solid {
             head.extend(["mid stretch".into(), "mid twist (°/mm)".into()]);
         }
         let mut table = Table::with_head(head);
-        for (i, angle) in self.winding_angles.iter().enumerate() {
-            for (j, modulus) in self.shear_moduli.iter().enumerate().take(MOST_ROWS) {
-                let mut cells = vec![short(angle / DEG), short(modulus / MPA)];
-                match self.path(i, j) {
-                    None => cells.push("missing".into()),
-                    Some(path) => {
-                        cells.push(path.states.len().to_string());
-                        cells.push(path.limit_pressure().map_or("none met".into(), |p| short(p / KPA)));
-                        if let Some(state) = state_at(path, reference) {
-                            cells.push(format!("{:.4}", state.axial_stretch));
-                            cells.push(format!("{:.4}", state.expansion));
-                            cells.push(format!("{:.4}", state.twist_per_length / DEG * MM));
-                            if let Some(middle) = state.middle {
-                                cells.push(format!("{:.4}", middle.axial_stretch));
-                                cells.push(format!("{:.4}", middle.twist_per_length / DEG * MM));
-                            }
+        for (node, path) in self.paths.iter().enumerate().take(MOST_ROWS) {
+            let mut cells: Vec<String> =
+                self.named_coordinates(node).into_iter().map(|(_, value)| short(value)).collect();
+            match path {
+                None => cells.push("missing".into()),
+                Some(path) => {
+                    cells.push(path.states.len().to_string());
+                    cells.push(path.limit_pressure().map_or("none met".into(), |p| short(p / KPA)));
+                    if let Some(state) = state_at(path, reference) {
+                        cells.push(format!("{:.4}", state.axial_stretch));
+                        cells.push(format!("{:.4}", state.expansion));
+                        cells.push(format!("{:.4}", state.twist_per_length / DEG * MM));
+                        if let Some(middle) = state.middle {
+                            cells.push(format!("{:.4}", middle.axial_stretch));
+                            cells.push(format!("{:.4}", middle.twist_per_length / DEG * MM));
                         }
                     }
                 }
-                table.row_of(cells);
             }
+            table.row_of(cells);
         }
         text + &table.text()
     }
 
     fn json(&self) -> serde_json::Value {
-        let node = |i: usize, j: usize| {
-            let path = self.path(i, j);
-            json!({
-                "winding_angle_deg": self.winding_angles[i] / DEG,
-                "shear_modulus_mpa": self.shear_moduli[j] / MPA,
+        let node = |(node, path): (usize, &Option<FreePath>)| {
+            let path = path.as_ref();
+            let mut value = json!({
                 "status": if path.is_some() { "converged" } else { "missing" },
                 "states": path.map(|path| path.states.len()),
                 "limit_pressure_kpa": path.and_then(FreePath::limit_pressure).map(|p| p / KPA),
-            })
+            });
+            for (parameter, coordinate) in self.named_coordinates(node) {
+                value[parameter.name()] = json!(coordinate);
+            }
+            value
         };
-        let axes =
-            (0..self.winding_angles.len()).flat_map(|i| (0..self.shear_moduli.len()).map(move |j| (i, j)));
         json!({
             "content": "map", "kind": "free", "fidelity": self.computed_by(), "name": self.source.0, "settings": self.settings,
             "checks": self.checks.len(),
-            "nodes": axes.map(|(i, j)| node(i, j)).collect::<Vec<_>>(),
+            "nodes": self.paths.iter().enumerate().map(node).collect::<Vec<_>>(),
         })
     }
 
@@ -145,12 +146,12 @@ impl Content for FreeMap {
             ),
         ];
         let mut charts = Vec::new();
-        for (j, modulus) in self.shear_moduli.iter().enumerate() {
+        for (j, modulus) in self.shear_moduli().iter().enumerate() {
             let mu = short(modulus / MPA);
             for (stem, label, value, of_middle) in quantities {
                 let mut chart =
                     Chart::new(format!("{}, µ = {mu} MPa", self.source.0), "pressure (kPa)", label);
-                for (i, angle) in self.winding_angles.iter().enumerate() {
+                for (i, angle) in self.winding_angles().iter().enumerate() {
                     let Some(path) = self.path(i, j) else { continue };
                     let points =
                         path.states.iter().map(|state| (state.pressure / KPA, value(state))).collect();
@@ -171,9 +172,9 @@ impl Content for FreeMap {
         }
         let title = format!("{}: greatest pressure that has an equilibrium", self.source.0);
         let mut limits = Chart::new(title, "winding angle (° from hoop)", "limit pressure (kPa)");
-        for (j, modulus) in self.shear_moduli.iter().enumerate() {
+        for (j, modulus) in self.shear_moduli().iter().enumerate() {
             let limit = |i: usize| self.path(i, j).and_then(FreePath::limit_pressure);
-            let points = self.winding_angles.iter().enumerate();
+            let points = self.winding_angles().iter().enumerate();
             let points = points.filter_map(|(i, angle)| Some((angle / DEG, limit(i)? / KPA))).collect();
             limits = limits.with(Series::new(
                 format!("µ = {} MPa", short(modulus / MPA)),
@@ -192,6 +193,8 @@ trait Reading {
     fn common_pressure(&self) -> f64;
     /// The fidelity as it is written on the command line.
     fn computed_by(&self) -> &'static str;
+    /// Where a node lies: winding angle, shear modulus and the named axes, in the units of their names.
+    fn named_coordinates(&self, node: usize) -> Vec<(FreeParameter, f64)>;
 }
 
 impl Reading for FreeMap {
@@ -205,7 +208,16 @@ impl Reading for FreeMap {
         match self.fidelity {
             Fidelity::Section => "section",
             Fidelity::Solid { .. } => "solid",
+            Fidelity::CappedSection => "section with caps",
         }
+    }
+
+    fn named_coordinates(&self, node: usize) -> Vec<(FreeParameter, f64)> {
+        let coordinates = self.coordinates(node).into_iter().zip(&self.axes);
+        let mut named: Vec<_> =
+            coordinates.map(|(value, axis)| (axis.parameter, value / axis.parameter.unit())).collect();
+        named.rotate_right(2);
+        named
     }
 }
 

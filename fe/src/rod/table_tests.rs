@@ -14,7 +14,7 @@ fn free(angle_deg: f64, law: FibreLaw) -> Free {
 
 fn free_path(tube: &ThickTube, pressure_max: f64) -> FreePath {
     let states = (0..=10).filter_map(|i| tube.free_state(pressure_max * i as f64 / 10.0).ok()).collect();
-    FreePath { states, end: PathEnd::Range }
+    FreePath::solved(states, PathEnd::Range)
 }
 
 fn table(free: &Free, pressure_max: f64) -> (ThickTube, SectionTable) {

@@ -468,7 +468,7 @@ fn a_tabulated_law_places_the_tip_like_the_law_itself() {
     let module = left_right([0.0, 0.0, 1.0]);
     let tube = ThickTube::new(&free(30.0, Handedness::Right));
     let states = (0..=8).map(|i| tube.free_state(5e4 * i as f64 / 8.0).unwrap()).collect();
-    let path = actuator::FreePath { states, end: actuator::PathEnd::Range };
+    let path = actuator::FreePath::solved(states, actuator::PathEnd::Range);
     let grid = TableGrid::for_free(&free(30.0, Handedness::Right), &path, 5e4);
     let stop = std::sync::atomic::AtomicBool::new(false);
     let run = crate::Run { jobs: 2, progress: &|_, _| (), stop: &stop };

@@ -15,4 +15,4 @@ pub(crate) mod tests;
 
 pub use error::{SectionError, Whereabouts};
 pub use mesh::SectionMesh;
-pub use solver::{SectionLoad, SectionSolver};
+pub use solver::SectionSolver;

@@ -298,7 +298,7 @@ impl Path {
         if self.end == PathEnd::LimitPoint || !all_reached {
             states.push(self.report(problem, last, hand));
         }
-        Ok(FreePath { states, end: self.end })
+        Ok(FreePath::solved(states, self.end))
     }
 
     fn report(&self, problem: &Problem, station: &Station, hand: f64) -> FreeState {
@@ -310,6 +310,8 @@ impl Path {
             twist_per_length: hand * at.twist_per_length,
             residual: station.residual,
             middle: None,
+            section: None,
+            mesh_error: None,
         }
     }
 }

@@ -7,7 +7,7 @@ use super::{
     problem::{Problem, State},
 };
 use crate::SectionResponse;
-use actuator::{ElastomerError, Free, FreePath};
+use actuator::{ElastomerError, EndLoad, Free, FreePath};
 use nalgebra::Matrix3;
 
 /// Shortest share of the way to a wanted state that is tried.
@@ -30,15 +30,6 @@ pub struct SectionSolver {
     newton: Newton,
     rest: State,
     state: State,
-}
-
-/// Constant loads on the closed ends of a FREE.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SectionLoad {
-    /// Axial force, N, positive when it pulls.
-    pub force: f64,
-    /// Torque, N m, positive like a positive twist.
-    pub torque: f64,
 }
 
 /// Units of the problem.
@@ -233,7 +224,7 @@ impl SectionSolver {
     /// # Errors
     /// [`SectionError::NotConverged`] where the path cannot be followed.
     pub fn path(&mut self, pressures: &[f64], extra: usize) -> Result<FreePath, SectionError> {
-        self.path_under(SectionLoad::default(), pressures, extra)
+        self.path_under(EndLoad::default(), pressures, extra)
     }
 
     /// The same as [`SectionSolver::path`] with a constant axial force and torque on the closed ends, present from zero pressure
@@ -243,7 +234,7 @@ impl SectionSolver {
     /// As [`SectionSolver::path`]; also where the FREE does not bear the load without pressure.
     pub fn path_under(
         &mut self,
-        load: SectionLoad,
+        load: EndLoad,
         pressures: &[f64],
         extra: usize,
     ) -> Result<FreePath, SectionError> {

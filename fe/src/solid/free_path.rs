@@ -5,7 +5,7 @@ use super::{
     SolidError, SolidSolver,
     state::{SolidLoad, SolidState},
 };
-use actuator::{FreePath, FreeState, Middle, PathEnd};
+use actuator::{EndLoad, FreePath, FreeState, Middle, PathEnd};
 use nalgebra::Vector3;
 
 /// Share of the section's limit pressure up to which the pressure is prescribed. A tube between caps gives way no earlier than
@@ -39,6 +39,12 @@ impl Station {
     fn pressure(&self) -> f64 {
         self.state.load().pressure
     }
+}
+
+/// Pressure and loads on the tip's cap.
+fn under(pressure: f64, load: EndLoad) -> SolidLoad {
+    let along = |size: f64| Vector3::new(0.0, 0.0, size);
+    SolidLoad { force: along(load.force), moment: along(load.torque), ..SolidLoad::pressure(pressure) }
 }
 
 /// Given each state of a path, with the solver that found it and what it comes to; says whether to go on.
@@ -78,7 +84,7 @@ impl Trail<'_> {
 
     fn end(mut self, solver: &SolidSolver, end: PathEnd) -> Result<FreePath, SolidError> {
         self.hand_out(solver)?;
-        Ok(FreePath { states: self.states, end })
+        Ok(FreePath::solved(self.states, end))
     }
 }
 
@@ -100,7 +106,7 @@ fn cubic_root(a: &Station, b: &Station, pressure: f64) -> f64 {
 
 impl SolidSolver {
     /// States at `pressures` (Pa, rising, the first zero) as far as there are any. A path that meets its limit point ends there, with
-    /// further states on the way to it. `safe_pressure` (Pa) is one well below the limit pressure, if it is known: up to there no
+    /// further states on the way to it. `load` is on the tip's cap from zero pressure up. `safe_pressure` (Pa) is one well below the limit pressure, if it is known: up to there no
     /// other equilibrium can be taken for the next one. `told` is called after each state and says whether to go on.
     ///
     /// Whether the tube buckles sideways on the way is not asked here.
@@ -109,11 +115,12 @@ impl SolidSolver {
     /// [`SolidError::NotConverged`] where the path is lost, [`SolidError::Stopped`].
     pub fn free_path(
         &mut self,
+        load: EndLoad,
         pressures: &[f64],
         safe_pressure: Option<f64>,
         told: &mut dyn FnMut() -> bool,
     ) -> Result<FreePath, SolidError> {
-        self.free_path_seen(pressures, safe_pressure, told, &mut |_, _, _| true)
+        self.free_path_seen(load, pressures, safe_pressure, told, &mut |_, _, _| true)
     }
 
     /// The same path, its states being shown to `seen` as they become certain, that at rest first: with the solver, for fields and
@@ -123,18 +130,24 @@ impl SolidSolver {
     /// Those of [`SolidSolver::free_path`].
     pub fn free_path_seen<'a>(
         &mut self,
+        load: EndLoad,
         pressures: &[f64],
         safe_pressure: Option<f64>,
         told: &mut dyn FnMut() -> bool,
         seen: &'a mut (dyn FnMut(&SolidSolver, &SolidState, &FreeState) -> bool + 'a),
     ) -> Result<FreePath, SolidError> {
-        let rest = self.rest();
+        let mut rest = self.rest();
+        if load != EndLoad::NONE {
+            let part =
+                |share: f64| under(0.0, EndLoad { force: share * load.force, torque: share * load.torque });
+            rest = self.follow(&rest, 0.0, &[1.0], &part, &mut |_, _| true)?;
+        }
         let mut trail = Trail { states: vec![], last: None, seen };
         trail.push(self, &rest)?;
         let safe = safe_pressure.map_or(f64::INFINITY, |limit| BY_PRESSURE * limit);
         let stops: Vec<f64> = pressures.iter().copied().filter(|p| *p > 0.0 && *p <= safe).collect();
         let mut found = Vec::with_capacity(stops.len());
-        let followed = self.follow(&rest, 0.0, &stops, &SolidLoad::pressure, &mut |_, state| {
+        let followed = self.follow(&rest, 0.0, &stops, &|pressure| under(pressure, load), &mut |_, state| {
             found.push(state.clone());
             told()
         });
@@ -256,8 +269,9 @@ impl SolidSolver {
             let off = pressure - station.pressure();
             if off.abs() <= NEAR * pressure {
                 let start = station.pressure();
-                return self
-                    .follow(&station.state, start, &[pressure], &SolidLoad::pressure, &mut |_, _| true);
+                let ends = *station.state.load();
+                let at = |pressure| SolidLoad { pressure, ..ends };
+                return self.follow(&station.state, start, &[pressure], &at, &mut |_, _| true);
             }
             volume = (station.volume + off / station.slope).clamp(low.volume, high.volume);
             from = station;
@@ -282,6 +296,8 @@ impl SolidSolver {
                 axial_stretch: deformation.stretch_mid,
                 twist_per_length: deformation.twist_mid,
             }),
+            section: None,
+            mesh_error: None,
         }
     }
 }

@@ -97,7 +97,7 @@ fn paths_that_met_no_limit_are_covered_to_their_end() {
     assert!(model.errors().held_out.expansion.worst < 1e-3);
     assert!(model.errors().outside <= 7, "only an end may lie outside, by rounding");
     // The fully inflated end of a node is in the domain.
-    assert!(model.evaluate(upper * (1.0 - 1e-12), map.winding_angles[3], MU).is_ok());
+    assert!(model.evaluate(upper * (1.0 - 1e-12), map.winding_angles()[3], MU).is_ok());
 }
 
 #[test]
@@ -108,17 +108,17 @@ fn limits_are_told_only_where_all_paths_around_met_one() {
     let first = ends.iter().position(|limited| *limited).unwrap();
     assert!(first > 0 && first < 7);
     let model = FreeModel::fit(&map).unwrap();
-    let between = 0.5 * (map.winding_angles[first - 1] + map.winding_angles[first]);
+    let between = 0.5 * (map.winding_angles()[first - 1] + map.winding_angles()[first]);
     assert_eq!(model.limit_pressure(between, MU).unwrap(), None);
-    assert!(model.limit_pressure(map.winding_angles[first], MU).unwrap().is_some());
-    assert_eq!(model.limit_pressure(map.winding_angles[first - 1], MU).unwrap(), None);
-    assert!(model.limit_pressure(map.winding_angles[7], MU).unwrap().is_some());
+    assert!(model.limit_pressure(map.winding_angles()[first], MU).unwrap().is_some());
+    assert_eq!(model.limit_pressure(map.winding_angles()[first - 1], MU).unwrap(), None);
+    assert!(model.limit_pressure(map.winding_angles()[7], MU).unwrap().is_some());
     // The other way round: the path above has none.
     map.paths[7].as_mut().unwrap().end = PathEnd::Range;
     let model = FreeModel::fit(&map).unwrap();
-    let between = 0.5 * (map.winding_angles[6] + map.winding_angles[7]);
+    let between = 0.5 * (map.winding_angles()[6] + map.winding_angles()[7]);
     assert_eq!(model.limit_pressure(between, MU).unwrap(), None);
-    assert!(model.limit_pressure(map.winding_angles[6], MU).unwrap().is_some());
+    assert!(model.limit_pressure(map.winding_angles()[6], MU).unwrap().is_some());
 }
 
 #[test]
@@ -222,13 +222,13 @@ fn paths_that_cannot_be_are_named() {
     assert!(message(|paths| paths.truncate(5)).contains("6 nodes in all, but the table has 5"));
     assert!(message(|paths| paths[0].as_mut().unwrap().states[4].axial_stretch = 0.0).contains("positive"));
     let mut flat = good.clone();
-    flat.winding_angles[0] = 0.0;
+    flat.axes[0].values[0] = 0.0;
     assert!(FreeModel::fit(&flat).unwrap_err().to_string().contains("winding angle that is not positive"));
     for empty in [free_map(vec![], vec![MU], 12, None), free_map(vec![0.5], vec![], 12, None)] {
         assert!(FreeModel::fit(&empty).unwrap_err().to_string().contains("has no nodes"));
     }
     let mut falling = good.clone();
-    falling.winding_angles.reverse();
+    falling.axes[0].values.reverse();
     assert!(FreeModel::fit(&falling).unwrap_err().to_string().contains("must rise"));
     // Two states are the least: a straight line in s.
     assert!(FreeModel::fit(&free_map(vec![0.5], vec![MU], 2, None)).is_ok());

@@ -11,7 +11,8 @@ fn a_mirrored_winding_twists_the_other_way() {
     assert!(a[2] < -1.0, "a right-handed FREE of 30 deg turns negative");
     assert_eq!([a[0], a[1], -a[2]], b);
     let loaded = |free: &Free, torque| {
-        solver(free, COARSE).path_under(SectionLoad { force: 1.0, torque }, &[30e3], 0).unwrap().states[1]
+        solver(free, COARSE).path_under(actuator::EndLoad { force: 1.0, torque }, &[30e3], 0).unwrap().states
+            [1]
     };
     let (a, b) = (loaded(&right, 0.005), loaded(&left, -0.005));
     assert_eq!(

@@ -97,7 +97,7 @@ fn loaded_states_are_found_again_at_their_stretch_and_twist() {
         let free = tension_only(free(angle));
         let mut solver = solver(&free, SectionMesh::default());
         for (force, torque) in loads.clone() {
-            let path = solver.path_under(SectionLoad { force, torque }, &[10e3, 25e3], 0).unwrap();
+            let path = solver.path_under(actuator::EndLoad { force, torque }, &[10e3, 25e3], 0).unwrap();
             for state in &path.states[..3] {
                 let at = format!("{angle} deg, {force} N, {torque} N m, {state:?}");
                 let response = solver
