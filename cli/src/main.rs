@@ -2,6 +2,7 @@
 
 mod axis;
 mod base_model;
+mod columns;
 mod command;
 mod content;
 mod exit;
@@ -9,11 +10,13 @@ mod failure;
 mod goal;
 mod identify_report;
 mod interrupt;
+mod map_columns;
 mod map_csv;
 mod map_file;
 mod material_csv;
 mod material_report;
 mod output;
+mod parquet;
 mod part;
 mod plot;
 mod pressures_csv;

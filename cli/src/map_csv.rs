@@ -1,26 +1,14 @@
-//! Maps as CSV: one row a state, in the units that the columns name.
+//! Cells of CSV files: numbers and poses in the units that the columns name.
 
-use actuator::{
-    Fidelity, FreeMap, FreePath, FreeState, ModuleMap, Origin, PathEnd, TipPose,
-    units::{DEG, KPA, MM},
-};
-
-/// Columns of a FREE's map between its axes and its status.
-const DEFORMATION: [&str; 3] = ["axial_stretch", "expansion", "twist_per_length_deg_per_mm"];
-/// Columns of a solid's map beside those.
-const MIDDLE: [&str; 2] = ["mid_axial_stretch", "mid_twist_per_length_deg_per_mm"];
+use crate::columns::rounded;
+use actuator::{TipPose, units::MM};
 
 /// Columns of a pose.
 pub const POSE_HEADER: &str = "x_mm,y_mm,z_mm,qw,qx,qy,qz";
 
 /// A number for a file: twelve significant figures, without the dust of a conversion of units.
 pub fn number(value: f64) -> String {
-    if !value.is_finite() {
-        return String::new();
-    }
-    let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
-    // 0.0 and -0.0 are one number to a reader.
-    if rounded == 0.0 { "0".into() } else { format!("{rounded}") }
+    rounded(value).map(|value| value.to_string()).unwrap_or_default()
 }
 
 /// Cells of the pressures' columns `p1_kpa`, ...
@@ -28,197 +16,12 @@ pub fn pressure_header(count: usize) -> Vec<String> {
     (1..=count).map(|i| format!("p{i}_kpa")).collect()
 }
 
+/// Numbers of [`POSE_HEADER`].
+pub fn pose_numbers(pose: &TipPose) -> impl Iterator<Item = f64> {
+    pose.position.iter().map(|metres| metres / MM).chain(pose.wxyz()).collect::<Vec<_>>().into_iter()
+}
+
 /// Cells of [`POSE_HEADER`].
 pub fn pose_cells(pose: &TipPose) -> Vec<String> {
-    let position = pose.position.iter().map(|metres| metres / MM);
-    position.chain(pose.wxyz()).map(number).collect()
-}
-
-/// Cells of stretch, expansion and twist per length.
-pub fn deformation_cells(state: &FreeState) -> Vec<String> {
-    vec![number(state.axial_stretch), number(state.expansion), number(state.twist_per_length / DEG * MM)]
-}
-
-/// Cells of what a solid's middle does.
-fn middle_cells(state: &FreeState) -> Vec<String> {
-    match state.middle {
-        Some(middle) => vec![number(middle.axial_stretch), number(middle.twist_per_length / DEG * MM)],
-        None => vec![String::new(); MIDDLE.len()],
-    }
-}
-
-/// Columns after the status: the state's evidence and what a rod needs of it.
-const EVIDENCE: [&str; 12] = [
-    "residual",
-    "axial_stretch_error",
-    "expansion_error",
-    "twist_per_length_error_deg_per_mm",
-    "limit_pressure_error_kpa",
-    "energy_j_per_m",
-    "volume_mm2",
-    "axial_stiffness_n",
-    "coupling_nmm",
-    "torsional_stiffness_nmm2",
-    "force_per_pressure_mm2",
-    "torque_per_pressure_mm3",
-];
-
-/// Cells of [`EVIDENCE`].
-fn evidence_cells(state: &FreeState, path: &FreePath) -> Vec<String> {
-    let mut cells = vec![number(state.residual)];
-    let error = state
-        .mesh_error
-        .map(|error| [error.axial_stretch, error.expansion, error.twist_per_length / DEG * MM].map(number));
-    cells.extend(error.unwrap_or_default());
-    cells.push(path.limit_error.map(|error| number(error / KPA)).unwrap_or_default());
-    let constants = state.section.map(|section| {
-        let [[axial, coupling], [_, torsional]] = section.stiffness;
-        let [force, torque] = section.pressure_slopes;
-        [
-            section.energy,
-            section.volume / MM.powi(2),
-            axial,
-            coupling / MM,
-            torsional / MM.powi(2),
-            force / MM.powi(2),
-            torque / MM.powi(3),
-        ]
-        .map(number)
-    });
-    cells.extend(constants.unwrap_or_default());
-    cells
-}
-
-/// The map of a FREE. Pressures asked for that lie above the limit pressure are rows without values.
-pub fn free_map(map: &FreeMap) -> String {
-    let capped = map.fidelity != Fidelity::Section;
-    let named: Vec<&str> = map.named_axes().iter().map(|axis| axis.parameter.name()).collect();
-    let mut head = vec!["winding_angle_deg", "shear_modulus_mpa", "pressure_kpa"];
-    head.extend(&named);
-    let axes = head.len();
-    head.extend(DEFORMATION);
-    head.extend(if capped { &MIDDLE[..] } else { &[] });
-    let values = head.len() - axes;
-    head.extend(["limit_pressure_kpa", "status"]);
-    head.extend(EVIDENCE);
-    let mut text = head.join(",") + "\n";
-    for (node, path) in map.paths.iter().enumerate() {
-        let path = path.as_ref();
-        let limit = path.and_then(|path| path.limit_pressure());
-        let coordinates: Vec<String> = map
-            .coordinates(node)
-            .iter()
-            .zip(&map.axes)
-            .map(|(value, axis)| number(value / axis.parameter.unit()))
-            .collect();
-        let (named, always) = coordinates.split_at(named.len());
-        let mut row = |pressure: f64, values: Vec<String>, status: &str, evidence: Vec<String>| {
-            let mut cells = always.to_vec();
-            cells.push(number(pressure / KPA));
-            cells.extend_from_slice(named);
-            cells.extend(values);
-            cells.push(limit.map(|limit| number(limit / KPA)).unwrap_or_default());
-            cells.push(status.to_owned());
-            cells.extend(evidence);
-            text += &(cells.join(",") + "\n");
-        };
-        let nothing = |count: usize| vec![String::new(); count];
-        let Some(path) = path else {
-            let mut missing =
-                |pressure: &f64| row(*pressure, nothing(values), "missing", nothing(EVIDENCE.len()));
-            map.pressures.iter().for_each(&mut missing);
-            continue;
-        };
-        let mut of = |state: &FreeState, status: &str| {
-            let mut cells = deformation_cells(state);
-            if capped {
-                cells.extend(middle_cells(state));
-            }
-            row(state.pressure, cells, status, evidence_cells(state, path));
-        };
-        let last = path.states.len().saturating_sub(1);
-        let solved = match path.origin {
-            Origin::Solved => "converged",
-            Origin::Similar { .. } => "similar",
-        };
-        for (k, state) in path.states.iter().enumerate() {
-            let at_limit = k == last && path.end == PathEnd::LimitPoint;
-            of(state, if at_limit { "limit point" } else { solved });
-        }
-        path.beyond.iter().for_each(|state| of(state, "unstable"));
-        let end = path.states.last().map_or(0.0, |state| state.pressure);
-        let beyond = if limit.is_some() { "beyond limit" } else { "missing" };
-        map.pressures
-            .iter()
-            .filter(|p| **p > end * (1.0 + 1e-9))
-            .for_each(|p| row(*p, nothing(values), beyond, nothing(EVIDENCE.len())));
-    }
-    text
-}
-
-/// The map of a module.
-pub fn module_map(map: &ModuleMap) -> String {
-    let mut head = pressure_header(map.pressures.len());
-    head.extend([POSE_HEADER.to_owned(), "status".to_owned()]);
-    let mut text = head.join(",") + "\n";
-    for (node, state) in map.states.iter().enumerate() {
-        let mut cells: Vec<String> = map.node_pressures(node).iter().map(|p| number(p / KPA)).collect();
-        match state {
-            Some(state) => {
-                cells.extend(pose_cells(&state.chart.to_pose()));
-                cells.push(if state.negative_pivots == 0 { "converged" } else { "buckled" }.into());
-            }
-            None => {
-                cells.extend(vec![String::new(); 7]);
-                cells.push("missing".into());
-            }
-        }
-        text += &(cells.join(",") + "\n");
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::map_file::samples;
-
-    #[test]
-    fn a_free_has_one_row_a_state_and_empty_rows_beyond_its_limit() {
-        let text = free_map(&samples::free_map());
-        let rows: Vec<&str> = text.lines().collect();
-        assert_eq!(
-            rows[0],
-            "winding_angle_deg,shear_modulus_mpa,pressure_kpa,axial_stretch,expansion,twist_per_length_deg_per_mm,limit_pressure_kpa,status,\
-             residual,axial_stretch_error,expansion_error,twist_per_length_error_deg_per_mm,limit_pressure_error_kpa,energy_j_per_m,volume_mm2,\
-             axial_stiffness_n,coupling_nmm,torsional_stiffness_nmm2,force_per_pressure_mm2,torque_per_pressure_mm3"
-        );
-        assert_eq!(rows[1], "20,0.393,0,1,1,0,,converged,0.000000000001,,,,,,,,,,,");
-        // -30e-5 rad/m a pascal at 40 kPa is -12 rad/m = -0.6875 deg/mm.
-        assert_eq!(rows[3], "20,0.393,40,1.06,1.04,-0.687549354157,,converged,0.000000000001,,,,,,,,,,,");
-        assert_eq!(rows[6], "70,0.393,30,0.98,1.03,-0.515662015618,30,limit point,0.000000000001,,,,,,,,,,,");
-        assert_eq!(rows[7], "70,0.393,40,,,,30,beyond limit,,,,,,,,,,,,");
-        assert_eq!(rows.len(), 8);
-        assert!(rows.iter().all(|row| row.split(',').count() == 20));
-    }
-
-    #[test]
-    fn a_solid_has_its_middle_beside() {
-        let text = free_map(&samples::solid_map());
-        let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
-        assert!(rows.iter().all(|row| row.len() == 22), "{text}");
-        assert_eq!(rows[0][6..8], ["mid_axial_stretch", "mid_twist_per_length_deg_per_mm"]);
-        assert_eq!(rows[3][3..8], ["1.06", "1.04", "-0.687549354157", "1.066", "-0.756304289573"]);
-        assert_eq!(rows[7][3..10], ["", "", "", "", "", "30", "beyond limit"]);
-    }
-
-    #[test]
-    fn a_module_has_one_row_a_node() {
-        let text = module_map(&samples::module_map());
-        let rows: Vec<&str> = text.lines().collect();
-        assert_eq!(rows[0], "p1_kpa,x_mm,y_mm,z_mm,qw,qx,qy,qz,status");
-        assert_eq!(rows[1], "0,0,0,130,1,0,0,0,converged");
-        assert!(rows[2].ends_with(",1,buckled"), "{}", rows[2]);
-        assert_eq!(rows[3], "40,,,,,,,,missing");
-    }
+    pose_numbers(pose).map(number).collect()
 }

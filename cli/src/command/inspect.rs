@@ -1,10 +1,11 @@
 use crate::{
     axis::Axis,
+    columns::Columns,
     content::{self, Content},
     exit::Exit,
     failure::{Failure, Outcome},
     map_file::MapFile,
-    output,
+    output, parquet,
     solid_states::{Choice, SolidStates},
     values::Values,
 };
@@ -23,6 +24,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "Examples:
   freeact inspect paper.map
   freeact inspect paper.map --csv --out paper.csv
+  freeact inspect paper.map --parquet paper.parquet --plot paper
   freeact inspect solid.map --vtu states --winding-angle 30 --at-kpa 20,40
   freeact inspect data/modules/buffinton-2020-30lr.toml --json")]
 pub struct Inspect {
@@ -37,6 +39,10 @@ pub struct Inspect {
     /// Print the content as CSV: one row a state or sample
     #[arg(long)]
     csv: bool,
+
+    /// Write the same columns as a Parquet file, for data frames
+    #[arg(long, value_name = "FILE")]
+    parquet: Option<PathBuf>,
 
     /// Write the table or CSV to a file instead of printing it
     #[arg(long, value_name = "FILE")]
@@ -87,13 +93,12 @@ impl Inspect {
             Some(directory) => Some(self.write_states(content.as_ref(), directory)?),
             None => None,
         };
+        if let Some(path) = &self.parquet {
+            let columns = self.columns(content.as_ref(), "--parquet")?;
+            output::replace(path, &mut |out| parquet::write(&columns, out))?;
+        }
         let mut text = if self.csv {
-            content.csv().ok_or_else(|| {
-                Failure::usage(format!(
-                    "{}: --csv applies to maps and recordings only; leave it out for a table",
-                    self.file.display()
-                ))
-            })?
+            self.columns(content.as_ref(), "--csv")?.csv()
         } else if json {
             let mut value = content.json();
             if let Some(states) = &states {
@@ -116,6 +121,15 @@ impl Inspect {
             eprintln!("{remark}");
         }
         Ok(states.map_or(Exit::Done, |states| states.exit()))
+    }
+
+    fn columns(&self, content: &dyn Content, flag: &str) -> Result<Columns, Failure> {
+        content.columns().ok_or_else(|| {
+            Failure::usage(format!(
+                "{}: {flag} applies to maps and recordings only; leave it out for a table",
+                self.file.display()
+            ))
+        })
     }
 
     fn write_states(&self, content: &dyn Content, directory: &Path) -> Result<SolidStates, Failure> {

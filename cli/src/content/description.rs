@@ -1,6 +1,7 @@
 use super::Content;
 use crate::{
-    plot::Chart,
+    columns::Columns,
+    plot::Picture,
     table::{Table, short},
 };
 use actuator::{Description, Elastomer, FibreLaw, Handedness, OgdenForm, Rig, units::*};
@@ -104,11 +105,11 @@ impl Content for Rig {
         })
     }
 
-    fn csv(&self) -> Option<String> {
+    fn columns(&self) -> Option<Columns> {
         None
     }
 
-    fn charts(&self) -> Vec<(String, Chart)> {
+    fn charts(&self) -> Vec<(String, Picture)> {
         Vec::new()
     }
 }

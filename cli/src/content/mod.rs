@@ -1,13 +1,15 @@
 //! What there is to show of a file: a table, JSON, CSV, charts.
 
 mod description;
+mod free_map;
 mod map;
 mod model;
+mod module_map;
 mod recording;
 
 pub use model::link;
 
-use crate::{failure::Failure, map_file::MapFile, plot::Chart, recordings};
+use crate::{columns::Columns, failure::Failure, map_file::MapFile, plot::Picture, recordings};
 use actuator::{Rig, artefact};
 use std::path::Path;
 
@@ -18,9 +20,9 @@ pub trait Content {
     /// The same for programs.
     fn json(&self) -> serde_json::Value;
     /// One row a state or sample, where that makes sense.
-    fn csv(&self) -> Option<String>;
+    fn columns(&self) -> Option<Columns>;
     /// Charts, with the stems of their files.
-    fn charts(&self) -> Vec<(String, Chart)>;
+    fn charts(&self) -> Vec<(String, Picture)>;
     /// The map, if it is one.
     fn map(&self) -> Option<&MapFile> {
         None

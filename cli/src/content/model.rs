@@ -1,6 +1,7 @@
 use super::Content;
 use crate::{
-    plot::Chart,
+    columns::Columns,
+    plot::Picture,
     table::{Table, short},
 };
 use actuator::units::{DEG, KPA, MM, MPA};
@@ -63,11 +64,11 @@ impl Content for Model {
         value
     }
 
-    fn csv(&self) -> Option<String> {
+    fn columns(&self) -> Option<Columns> {
         None
     }
 
-    fn charts(&self) -> Vec<(String, Chart)> {
+    fn charts(&self) -> Vec<(String, Picture)> {
         Vec::new()
     }
 }

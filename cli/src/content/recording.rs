@@ -1,7 +1,7 @@
 use super::Content;
 use crate::{
-    map_csv::number,
-    plot::{Chart, Mark, Series, thin},
+    columns::{Cell, Columns},
+    plot::{Chart, Mark, Picture, Series, thin},
     table::{Table, duration, short},
 };
 use actuator::units::MM;
@@ -31,7 +31,7 @@ impl From<Log> for Inspected {
 }
 
 impl Inspected {
-    fn columns(&self) -> Vec<(Quantity, &[f64])> {
+    fn measured(&self) -> Vec<(Quantity, &[f64])> {
         let measured = |quantity: Quantity| Some((quantity, self.recording.channel(quantity)?.as_slice()));
         let columns = self.recording.quantities().into_iter().filter_map(measured);
         columns.filter(|(_, channel)| channel.iter().any(|value| value.is_finite())).collect()
@@ -46,7 +46,7 @@ impl Inspected {
 
     fn against_time(&self, title: &str, label: &str, wanted: impl Fn(Quantity) -> bool) -> Option<Chart> {
         let mut chart = Chart::new(format!("{}: {title}", self.recording.name), "time (s)", label);
-        for (quantity, channel) in self.columns().into_iter().filter(|(quantity, _)| wanted(*quantity)) {
+        for (quantity, channel) in self.measured().into_iter().filter(|(quantity, _)| wanted(*quantity)) {
             let points = self.recording.time.iter().zip(channel);
             let points = points.map(|(time, value)| (*time, value / quantity.unit())).collect();
             chart = chart.with(Series::new(quantity.stem(), Mark::Line, thin(points, POINTS)));
@@ -76,7 +76,7 @@ impl Content for Inspected {
             short(rate)
         );
         let mut table = Table::new(["<column", "least", "mean", "greatest", "not measured"]);
-        for (quantity, channel) in self.columns() {
+        for (quantity, channel) in self.measured() {
             let (low, mean, high, missing) = statistics(channel, quantity.unit());
             table.row([quantity.column(), short(low), short(mean), short(high), missing.to_string()]);
         }
@@ -101,7 +101,7 @@ impl Content for Inspected {
         };
         json!({
             "content": "recording", "name": self.recording.name, "samples": self.recording.time.len(),
-            "seconds": self.seconds(), "columns": self.columns().into_iter().map(column).collect::<Vec<_>>(),
+            "seconds": self.seconds(), "columns": self.measured().into_iter().map(column).collect::<Vec<_>>(),
             "findings": self.findings.list.iter().map(|f| json!({
                 "kind": format!("{:?}", f.kind), "channel": f.channel, "count": f.count, "message": f.message,
             })).collect::<Vec<_>>(),
@@ -109,18 +109,20 @@ impl Content for Inspected {
         })
     }
 
-    fn csv(&self) -> Option<String> {
-        let columns = self.columns();
-        let head = columns.iter().map(|(quantity, _)| quantity.column());
-        let mut text = std::iter::once("t_s".to_owned()).chain(head).collect::<Vec<_>>().join(",") + "\n";
+    fn columns(&self) -> Option<Columns> {
+        let measured = self.measured();
+        let names = measured.iter().map(|(quantity, _)| quantity.column());
+        let mut columns = Columns::new(std::iter::once("t_s".to_owned()).chain(names), &[])
+            .about("name", &self.recording.name);
         for (i, time) in self.recording.time.iter().enumerate() {
-            let values = columns.iter().map(|(quantity, channel)| number(channel[i] / quantity.unit()));
-            text += &(std::iter::once(number(*time)).chain(values).collect::<Vec<_>>().join(",") + "\n");
+            let values = measured.iter().map(|(quantity, channel)| channel[i] / quantity.unit());
+            let row: Vec<Cell> = std::iter::once(*time).chain(values).map(Cell::Number).collect();
+            columns.push(&row);
         }
-        Some(text)
+        Some(columns)
     }
 
-    fn charts(&self) -> Vec<(String, Chart)> {
+    fn charts(&self) -> Vec<(String, Picture)> {
         let command = self.against_time("command", "pressure (kPa)", |q| matches!(q, Quantity::Command(_)));
         let pressure =
             self.against_time("measured", "pressure (kPa)", |q| matches!(q, Quantity::Pressure(_)));
@@ -149,7 +151,7 @@ impl Content for Inspected {
             ("extension", extension),
             ("view", view),
         ];
-        named.into_iter().filter_map(|(stem, chart)| Some((stem.to_owned(), chart?))).collect()
+        named.into_iter().filter_map(|(stem, chart)| Some((stem.to_owned(), chart?.into()))).collect()
     }
 }
 
@@ -175,7 +177,7 @@ mod tests {
             },
         };
         let inspected = Inspected { recording, findings: Findings::default(), besides: vec![] };
-        assert_eq!(inspected.csv().unwrap(), "t_s,p1_command_kpa,twist_rad\n0,1,0.1\n0.5,2,\n");
+        assert_eq!(inspected.columns().unwrap().csv(), "t_s,p1_command_kpa,twist_rad\n0,1,0.1\n0.5,2,\n");
         let text = inspected.text(Path::new("two.csv"));
         assert!(
             text.contains("2 samples over 500 ms (2.000 a second)") && text.contains("nothing irregular"),

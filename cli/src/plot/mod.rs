@@ -5,10 +5,12 @@ mod drawing;
 mod field;
 mod font;
 mod mark;
+mod picture;
 mod scale;
 mod thin;
 
 pub use chart::Chart;
 pub use field::{Field, Patch};
 pub use mark::{Mark, Series};
+pub use picture::Picture;
 pub use thin::thin;

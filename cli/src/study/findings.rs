@@ -1,9 +1,7 @@
-use crate::{
-    failure::Failure,
-    plot::{Chart, Field},
-    table::Table,
-};
-use std::{fmt, path::Path};
+pub use crate::plot::Picture;
+
+use crate::table::Table;
+use std::fmt;
 
 /// What became of a claim of the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,42 +68,6 @@ impl Titled {
         let mut table = Table::with_head(self.head.clone());
         self.rows.iter().for_each(|row| table.row_of(row.clone()));
         table.text()
-    }
-}
-
-/// What a figure shows.
-#[derive(Clone, Debug)]
-pub enum Picture {
-    /// Curves.
-    Chart(Chart),
-    /// Values over a plane.
-    Field(Field),
-}
-
-impl Picture {
-    /// Its title.
-    pub fn title(&self) -> &str {
-        match self {
-            Picture::Chart(chart) => &chart.title,
-            Picture::Field(field) => &field.title,
-        }
-    }
-
-    /// As an element of a page.
-    pub fn inline_svg(&self) -> Result<String, Failure> {
-        match self {
-            Picture::Chart(chart) => chart.inline_svg(),
-            Picture::Field(field) => field.inline_svg(),
-        }
-        .map_err(Failure::file)
-    }
-
-    /// Writes `stem.svg` and `stem.png`.
-    pub fn write(&self, directory: &Path, stem: &str) -> Result<(), Failure> {
-        match self {
-            Picture::Chart(chart) => chart.write(directory, stem),
-            Picture::Field(field) => field.write(directory, stem),
-        }
     }
 }
 
