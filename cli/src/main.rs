@@ -2,6 +2,7 @@
 
 mod axis;
 mod base_model;
+mod choice;
 mod columns;
 mod command;
 mod content;

@@ -1,12 +1,13 @@
 use crate::{
     axis::Axis,
+    choice::Choice,
     columns::Columns,
     content::{self, Content},
     exit::Exit,
     failure::{Failure, Outcome},
     map_file::MapFile,
     output, parquet,
-    solid_states::{Choice, SolidStates},
+    solid_states::SolidStates,
     values::Values,
 };
 use actuator::{Fidelity, FreeParameter};
@@ -17,6 +18,9 @@ use std::path::{Path, PathBuf};
 ///
 /// The kind is found out from the content, not from the name. Without a flag a table is printed.
 ///
+/// The charts of a FREE's map show the pressure or the winding angle and one axis more; where another axis has several values they stand
+/// at the description's own or the next to it, or at those chosen by --winding-angle, --shear-modulus-mpa, --axis and --at-kpa.
+///
 /// A solid map holds no fields: --vtu solves its paths again, checks that the states are the map's and writes them for ParaView
 /// to DIR/ANGLE-deg-MODULUS-mpa: each state's rubber and fibres, and path.pvd to step through them, time being the pressure in
 /// kPa. Of more than four paths a choice is asked for. Ctrl-C leaves complete files only.
@@ -25,6 +29,7 @@ use std::path::{Path, PathBuf};
   freeact inspect paper.map
   freeact inspect paper.map --csv --out paper.csv
   freeact inspect paper.map --parquet paper.parquet --plot paper
+  freeact inspect walls.map --plot thin --axis wall_mm=0.6 --at-kpa 20,40,60
   freeact inspect solid.map --vtu states --winding-angle 30 --at-kpa 20,40
   freeact inspect data/modules/buffinton-2020-30lr.toml --json")]
 pub struct Inspect {
@@ -56,38 +61,34 @@ pub struct Inspect {
     #[arg(long, value_name = "DIR")]
     vtu: Option<PathBuf>,
 
-    /// Winding angles of the paths for --vtu, from the hoop direction, degrees: a list or first:last:step (default: all)
-    #[arg(long, value_name = "DEG", requires = "vtu", allow_hyphen_values = true)]
+    /// Winding angles to draw or write, from the hoop direction, degrees: a list or first:last:step (default: all)
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     winding_angle: Option<Values>,
 
-    /// Shear moduli of the paths for --vtu (default: all)
-    #[arg(long, value_name = "MPA", requires = "vtu", allow_hyphen_values = true)]
+    /// Shear moduli to draw or write (default: all)
+    #[arg(long, value_name = "MPA", allow_hyphen_values = true)]
     shear_modulus_mpa: Option<Values>,
 
-    /// Values of another axis of the map for --vtu, as in wall_mm=0.8; may be given several times (default: all)
-    #[arg(long, value_name = "NAME=VALUES", requires = "vtu")]
+    /// Values of another axis of the map to draw or write, as in wall_mm=0.8; may be given several times (default: all)
+    #[arg(long, value_name = "NAME=VALUES")]
     axis: Vec<Axis>,
 
-    /// Pressures of the states for --vtu (default: every state)
-    #[arg(long, value_name = "KPA", requires = "vtu", allow_hyphen_values = true)]
+    /// Pressures: of the states to write (default: every state), and of the curves over the winding angle
+    #[arg(long, value_name = "KPA", allow_hyphen_values = true)]
     at_kpa: Option<Values>,
 }
 
 impl Inspect {
     pub fn run(self, json: bool) -> Outcome {
         let content = content::open(&self.file, self.rig.as_deref())?;
+        let choice = self.choice();
+        if self.plot.is_none() && self.vtu.is_none() && choice != Choice::default() {
+            return Err(Failure::usage(
+                "--winding-angle, --shear-modulus-mpa, --axis and --at-kpa choose what --plot draws and --vtu writes: give one of them",
+            ));
+        }
         if let Some(directory) = &self.plot {
-            let charts = content.charts();
-            if charts.is_empty() {
-                return Err(Failure::usage(format!(
-                    "{}: --plot has nothing to draw here",
-                    self.file.display()
-                )));
-            }
-            output::make_directory(directory)?;
-            for (stem, chart) in &charts {
-                chart.write(directory, stem)?;
-            }
+            self.draw(content.as_ref(), &choice, directory)?;
         }
         let states = match &self.vtu {
             Some(directory) => Some(self.write_states(content.as_ref(), directory)?),
@@ -123,6 +124,39 @@ impl Inspect {
         Ok(states.map_or(Exit::Done, |states| states.exit()))
     }
 
+    fn choice(&self) -> Choice {
+        let values = |values: &Option<Values>| values.as_ref().map(|values| values.0.clone());
+        let always = [
+            (FreeParameter::WindingAngle, values(&self.winding_angle)),
+            (FreeParameter::ShearModulus, values(&self.shear_modulus_mpa)),
+        ];
+        let mut chosen: Vec<_> =
+            always.into_iter().filter_map(|(parameter, values)| Some((parameter, values?))).collect();
+        chosen.extend(self.axis.iter().map(|axis| (axis.parameter, axis.values.0.clone())));
+        Choice { values: chosen, pressures: values(&self.at_kpa) }
+    }
+
+    fn draw(&self, content: &dyn Content, choice: &Choice, directory: &Path) -> Result<(), Failure> {
+        let charts = match content.map() {
+            Some(MapFile::Free(map)) => {
+                let chosen = choice.restricted(map).map_err(|failure| failure.about(&self.file))?;
+                MapFile::Free(chosen).charts()
+            }
+            _ if *choice != Choice::default() => {
+                return Err(Failure::usage(format!(
+                    "{}: only of a FREE's map can values be chosen to draw",
+                    self.file.display()
+                )));
+            }
+            _ => content.charts(),
+        };
+        if charts.is_empty() {
+            return Err(Failure::usage(format!("{}: --plot has nothing to draw here", self.file.display())));
+        }
+        output::make_directory(directory)?;
+        charts.iter().try_for_each(|(stem, picture)| picture.write(directory, stem))
+    }
+
     fn columns(&self, content: &dyn Content, flag: &str) -> Result<Columns, Failure> {
         content.columns().ok_or_else(|| {
             Failure::usage(format!(
@@ -155,15 +189,7 @@ impl Inspect {
                 }
             },
         };
-        let values = |values: &Option<Values>| values.as_ref().map(|values| values.0.clone());
-        let always = [
-            (FreeParameter::WindingAngle, values(&self.winding_angle)),
-            (FreeParameter::ShearModulus, values(&self.shear_modulus_mpa)),
-        ];
-        let mut chosen: Vec<_> =
-            always.into_iter().filter_map(|(parameter, values)| Some((parameter, values?))).collect();
-        chosen.extend(self.axis.iter().map(|axis| (axis.parameter, axis.values.0.clone())));
-        let choice = Choice { values: chosen, pressures: values(&self.at_kpa) };
+        let choice = self.choice();
         let sweep = SolidSweep { elements, ..SolidSweep::default() };
         let wanted = choice.wanted(map).map_err(|failure| failure.about(&self.file))?;
         SolidStates::write(map, &sweep, &wanted, directory)

@@ -1,19 +1,12 @@
-use super::Content;
-use crate::{
-    columns::Columns,
-    map_columns,
-    plot::{Chart, Mark, Picture, Series},
-    table::{Table, short},
+use super::{
+    Content,
+    free_charts::{self, state_at},
+    free_table,
 };
-use actuator::{Fidelity, FreeMap, FreeParameter, FreePath, FreeState, Middle, units::*};
+use crate::{columns::Columns, map_columns, plot::Picture};
+use actuator::{Fidelity, FreeMap, FreeParameter, FreePath, MapAxis, Origin, units::*};
 use serde_json::json;
 use std::path::Path;
-
-/// Longest table of nodes worth printing.
-const MOST_ROWS: usize = 100;
-
-/// Stem of a file, label of an axis, what is drawn and what of a solid's middle beside it.
-type Quantity = (&'static str, &'static str, fn(&FreeState) -> f64, Option<fn(&Middle) -> f64>);
 
 impl Content for FreeMap {
     fn text(&self, path: &Path) -> String {
@@ -27,43 +20,7 @@ impl Content for FreeMap {
             self.checks.len(),
             self.settings
         );
-        let solid = self.fidelity != Fidelity::Section;
-        let reference = self.common_pressure();
-        let mut head = vec!["winding (° from hoop)".to_owned(), "µ (MPa)".into()];
-        head.extend(self.named_axes().iter().map(|axis| axis.parameter.label().to_owned()));
-        head.extend([
-            "states".into(),
-            "limit (kPa)".into(),
-            format!("at {} kPa: stretch", short(reference / KPA)),
-            "expansion".into(),
-            "twist (°/mm)".into(),
-        ]);
-        if solid {
-            head.extend(["mid stretch".into(), "mid twist (°/mm)".into()]);
-        }
-        let mut table = Table::with_head(head);
-        for (node, path) in self.paths.iter().enumerate().take(MOST_ROWS) {
-            let mut cells: Vec<String> =
-                self.named_coordinates(node).into_iter().map(|(_, value)| short(value)).collect();
-            match path {
-                None => cells.push("missing".into()),
-                Some(path) => {
-                    cells.push(path.states.len().to_string());
-                    cells.push(path.limit_pressure().map_or("none met".into(), |p| short(p / KPA)));
-                    if let Some(state) = state_at(path, reference) {
-                        cells.push(format!("{:.4}", state.axial_stretch));
-                        cells.push(format!("{:.4}", state.expansion));
-                        cells.push(format!("{:.4}", state.twist_per_length / DEG * MM));
-                        if let Some(middle) = state.middle {
-                            cells.push(format!("{:.4}", middle.axial_stretch));
-                            cells.push(format!("{:.4}", middle.twist_per_length / DEG * MM));
-                        }
-                    }
-                }
-            }
-            table.row_of(cells);
-        }
-        text + &table.text()
+        text + &free_table::text(self)
     }
 
     fn json(&self) -> serde_json::Value {
@@ -73,13 +30,27 @@ impl Content for FreeMap {
                 "status": if path.is_some() { "converged" } else { "missing" },
                 "states": path.map(|path| path.states.len()),
                 "limit_pressure_kpa": path.and_then(FreePath::limit_pressure).map(|p| p / KPA),
+                "limit_pressure_error_kpa": path.and_then(|path| path.limit_error).map(|error| error / KPA),
+                "greatest_pressure_kpa": path.and_then(|path| path.states.last()).map(|state| state.pressure / KPA),
+                "unstable_states": path.map(|path| path.beyond.len()),
+                "similar": path.map(|path| path.origin != Origin::Solved),
+                "residual": path.map(free_table::residual),
+                "mesh_error": path.and_then(free_table::mesh_error).map(|[stretch, expansion, twist]| json!({
+                    "axial_stretch": stretch, "expansion": expansion, "twist_per_length_deg_per_mm": twist / DEG * MM,
+                })),
             });
             for (parameter, coordinate) in self.named_coordinates(node) {
                 value[parameter.name()] = json!(coordinate);
             }
             value
         };
+        let axis = |axis: &MapAxis| {
+            let values: Vec<f64> = axis.values.iter().map(|value| value / axis.parameter.unit()).collect();
+            json!({ "name": axis.parameter.name(), "values": values })
+        };
         json!({
+            "axes": self.axes.iter().rev().map(axis).collect::<Vec<_>>(),
+            "pressures_kpa": self.pressures.iter().map(|pressure| pressure / KPA).collect::<Vec<_>>(),
             "content": "map", "kind": "free", "fidelity": self.computed_by(), "name": self.source.0, "settings": self.settings,
             "checks": self.checks.len(),
             "nodes": self.paths.iter().enumerate().map(node).collect::<Vec<_>>(),
@@ -91,65 +62,12 @@ impl Content for FreeMap {
     }
 
     fn charts(&self) -> Vec<(String, Picture)> {
-        let quantities: [Quantity; 3] = [
-            (
-                "axial-stretch",
-                "axial stretch λ",
-                |state| state.axial_stretch,
-                Some(|middle| middle.axial_stretch),
-            ),
-            ("expansion", "expansion b/B", |state| state.expansion, None),
-            (
-                "twist",
-                "twist per length (°/mm)",
-                |state| state.twist_per_length / DEG * MM,
-                Some(|middle| middle.twist_per_length / DEG * MM),
-            ),
-        ];
-        let mut charts = Vec::new();
-        for (j, modulus) in self.shear_moduli().iter().enumerate() {
-            let mu = short(modulus / MPA);
-            for (stem, label, value, of_middle) in quantities {
-                let mut chart =
-                    Chart::new(format!("{}, µ = {mu} MPa", self.source.0), "pressure (kPa)", label);
-                for (i, angle) in self.winding_angles().iter().enumerate() {
-                    let Some(path) = self.path(i, j) else { continue };
-                    let points =
-                        path.states.iter().map(|state| (state.pressure / KPA, value(state))).collect();
-                    let name = format!("{:.0}°", angle / DEG);
-                    let middle: Vec<_> = path
-                        .states
-                        .iter()
-                        .filter_map(|state| Some((state.pressure / KPA, of_middle?(&state.middle?))))
-                        .collect();
-                    let beside = Series::new(format!("{name} mid"), Mark::Dashed, middle).coloured(i);
-                    chart = chart.with(Series::new(name, Mark::Line, points).coloured(i));
-                    if !beside.points.is_empty() {
-                        chart = chart.with(beside);
-                    }
-                }
-                charts.push((format!("{stem}-{mu}-mpa"), chart));
-            }
-        }
-        let title = format!("{}: greatest pressure that has an equilibrium", self.source.0);
-        let mut limits = Chart::new(title, "winding angle (° from hoop)", "limit pressure (kPa)");
-        for (j, modulus) in self.shear_moduli().iter().enumerate() {
-            let limit = |i: usize| self.path(i, j).and_then(FreePath::limit_pressure);
-            let points = self.winding_angles().iter().enumerate();
-            let points = points.filter_map(|(i, angle)| Some((angle / DEG, limit(i)? / KPA))).collect();
-            limits = limits.with(Series::new(
-                format!("µ = {} MPa", short(modulus / MPA)),
-                Mark::LinePoints,
-                points,
-            ));
-        }
-        charts.push(("limit-pressure".into(), limits));
-        charts.into_iter().map(|(stem, chart): (String, Chart)| (stem, chart.into())).collect()
+        free_charts::all(self)
     }
 }
 
 /// What the tables need of a FREE's map.
-trait Reading {
+pub trait Reading {
     /// Greatest pressure asked for that every computed path reaches, Pa.
     fn common_pressure(&self) -> f64;
     /// The fidelity as it is written on the command line.
@@ -182,7 +100,53 @@ impl Reading for FreeMap {
     }
 }
 
-/// The state at a pressure of the grid.
-fn state_at(path: &FreePath, pressure: f64) -> Option<&FreeState> {
-    path.states.iter().find(|state| (state.pressure - pressure).abs() <= 1e-9 * pressure.max(1.0))
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map_file::samples;
+    use actuator::MeshError;
+
+    #[test]
+    fn a_map_is_told_in_words_and_numbers() {
+        let mut map = samples::free_map();
+        assert_eq!(map.common_pressure(), 2e4);
+        let text = map.text(Path::new("a.map"));
+        assert!(
+            text.contains("2 of 2 nodes") && text.contains("none met") && text.contains("30.00"),
+            "{text}"
+        );
+        assert!(
+            text.contains("1e-12") && !text.contains("mid twist") && !text.contains("mesh error"),
+            "{text}"
+        );
+        let node = &map.json()["nodes"][1];
+        assert_eq!((&node["limit_pressure_kpa"], &node["residual"]), (&json!(30.0), &json!(1e-12)));
+        assert_eq!(map.json()["axes"][0]["name"], "shear_modulus_mpa");
+
+        let solid = samples::solid_map();
+        let text = solid.text(Path::new("a.map"));
+        assert!(text.contains("by solid") && text.contains("mid twist") && text.contains("1.0220"), "{text}");
+        assert_eq!(solid.json()["fidelity"], "solid");
+
+        // Of many nodes a row an angle, with the worst of each.
+        let path = |map: &mut FreeMap, i: usize| map.paths[i].clone();
+        let (first, second) = (path(&mut map, 0), path(&mut map, 1));
+        map.axes[1].values = (1..=60).map(|i| 1e4 * f64::from(i)).collect();
+        map.paths = [vec![first; 60], vec![second; 60]].concat();
+        map.paths[7] = None;
+        let error = MeshError { axial_stretch: 2.5e-4, expansion: 0.0, twist_per_length: 0.0 };
+        if let Some(path) = &mut map.paths[119] {
+            path.states[1].mesh_error = Some(error);
+            path.states[1].residual = 3e-9;
+        }
+        let text = map.text(Path::new("a.map"));
+        let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split_whitespace().collect()).collect();
+        let row = |angle: &str| {
+            rows.iter().find(|row| row.first() == Some(&angle)).unwrap_or_else(|| panic!("{text}"))
+        };
+        assert_eq!(row("20.00")[1..], ["60", "1", "177", "–", "–", "59", "1e-12", "–", "–"]);
+        assert_eq!(row("70.00")[1..], ["60", "0", "180", "30.00", "30.00", "0", "3e-9", "2.5e-4", "0.0e0"]);
+        assert!(text.contains("60 values, among them 0.01000") && text.lines().count() < 20, "{text}");
+        assert_eq!(map.json()["nodes"].as_array().map(Vec::len), Some(120));
+    }
 }

@@ -1,7 +1,9 @@
 //! What there is to show of a file: a table, JSON, CSV, charts.
 
 mod description;
+mod free_charts;
 mod free_map;
+mod free_table;
 mod map;
 mod model;
 mod module_map;

@@ -1,4 +1,5 @@
 use super::{
+    curves::{self, shape},
     drawing::{self, Drawing, Drawn, SIZE},
     font::FAMILY,
     mark::{Mark, PALETTE, Series},
@@ -13,6 +14,7 @@ const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
 const GRID: RGBColor = RGBColor(0xDD, 0xDD, 0xDD);
 
 const TITLE: f64 = 19.0;
+const SUBTITLE: f64 = 14.0;
 const LABEL: f64 = 15.0;
 
 /// A chart of series over two axes.
@@ -20,10 +22,14 @@ const LABEL: f64 = 15.0;
 pub struct Chart {
     /// Title, one line.
     pub title: String,
+    /// A line under it, smaller; empty for none.
+    pub subtitle: String,
     /// Label of the horizontal axis, with its unit.
     pub x_label: String,
     /// Label of the vertical axis, with its unit.
     pub y_label: String,
+    /// What the legend's names mean, over it, in a line or several; empty for nothing.
+    pub legend: String,
     /// The series.
     pub series: Vec<Series>,
     /// Whether a length is the same on both axes, as on a map.
@@ -54,7 +60,8 @@ impl Chart {
     /// An empty chart.
     pub fn new(title: impl Into<String>, x_label: impl Into<String>, y_label: impl Into<String>) -> Self {
         let [title, x_label, y_label] = [title.into(), x_label.into(), y_label.into()];
-        Chart { title, x_label, y_label, series: Vec::new(), equal_axes: false }
+        let [subtitle, legend] = [String::new(), String::new()];
+        Chart { title, subtitle, x_label, y_label, legend, series: Vec::new(), equal_axes: false }
     }
 
     /// Adds a series.
@@ -85,11 +92,14 @@ impl Chart {
         &self,
         root: &DrawingArea<B, Shift>,
     ) -> (DrawingArea<B, Shift>, Option<DrawingArea<B, Shift>>) {
-        let widest = self.series.iter().map(|series| series.name.chars().count()).max().unwrap_or(0);
+        let length = |text: &str| text.chars().count();
+        let widest = self.series.iter().map(|series| length(&series.name)).max().unwrap_or(0);
         if widest == 0 {
             return (root.clone(), None);
         }
-        let width = (widest as f64 * 0.56 * LABEL) as u32 + 52;
+        let head = self.legend.lines().map(length).max().unwrap_or(0);
+        let width = |letters: usize| (letters as f64 * 0.56 * LABEL) as u32;
+        let width = (width(widest) + 52).max(width(head) + 16);
         let (plot, legend) = root.split_horizontally(SIZE.0.saturating_sub(width.min(SIZE.0 / 2)));
         (plot, Some(legend))
     }
@@ -113,6 +123,15 @@ impl Chart {
         area: &DrawingArea<B, Shift>,
     ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
         let (margin, below, left) = (12, 46, 74);
+        let titled;
+        let (area, caption) = match self.subtitle.is_empty() {
+            true => (area, self.title.as_str()),
+            false => {
+                let title = area.titled(&self.title, (FAMILY, TITLE).into_font().color(&INK))?;
+                titled = title.titled(&self.subtitle, (FAMILY, SUBTITLE).into_font().color(&INK))?;
+                (&titled, "")
+            }
+        };
         let (width, height) = area.dim_in_pixel();
         let inside =
             (width.saturating_sub(2 * margin + left), height.saturating_sub(2 * margin + below + 28));
@@ -120,9 +139,12 @@ impl Chart {
         let (x_decimals, y_decimals) = (decimals(&x), decimals(&y));
         let title = (FAMILY, TITLE).into_font().color(&INK);
         let text = || (FAMILY, LABEL).into_font().color(&INK);
-        let mut chart = ChartBuilder::on(area)
+        let mut builder = ChartBuilder::on(area);
+        if !caption.is_empty() {
+            builder.caption(caption, title);
+        }
+        let mut chart = builder
             .margin(margin)
-            .caption(&self.title, title)
             .x_label_area_size(below)
             .y_label_area_size(left)
             .build_cartesian_2d(x, y)?;
@@ -140,29 +162,7 @@ impl Chart {
             .bold_line_style(GRID)
             .light_line_style(TRANSPARENT)
             .draw()?;
-        for (place, series) in self.series.iter().enumerate() {
-            let index = series.colour.unwrap_or(place);
-            let colour = PALETTE[index % PALETTE.len()];
-            for run in series.runs() {
-                let line = || run.iter().copied();
-                match series.mark {
-                    Mark::Line | Mark::LinePoints => {
-                        chart.draw_series(LineSeries::new(line(), colour.stroke_width(2)))?;
-                    }
-                    Mark::Dashed => {
-                        chart.draw_series(DashedLineSeries::new(line(), 7, 5, colour.stroke_width(2)))?;
-                    }
-                    Mark::Dots => {
-                        chart.draw_series(line().map(|p| Circle::new(p, 1, colour.filled())))?;
-                    }
-                    Mark::Points => {}
-                }
-                if matches!(series.mark, Mark::Points | Mark::LinePoints) {
-                    chart.draw_series(line().map(|p| EmptyElement::at(p) + shape(index, colour)))?;
-                }
-            }
-        }
-        Ok(())
+        curves::draw(&mut chart, &self.series, None)
     }
 
     fn draw_legend<B: DrawingBackend>(
@@ -171,6 +171,10 @@ impl Chart {
     ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
         let text = (FAMILY, LABEL).into_font().color(&INK);
         let mut y = 52;
+        for line in self.legend.lines() {
+            area.draw(&Text::new(line.to_owned(), (4, y - 8), text.clone()))?;
+            y += 20;
+        }
         for (place, series) in self.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty()) {
             let index = series.colour.unwrap_or(place);
             let colour = PALETTE[index % PALETTE.len()];
@@ -184,6 +188,7 @@ impl Chart {
                     area.draw(&PathElement::new([(20, y), (30, y)], stroke))?;
                 }
                 Mark::Dots => area.draw(&Circle::new((17, y), 2, colour.filled()))?,
+                Mark::Rings => area.draw(&Circle::new((17, y), 5, stroke))?,
                 Mark::Points => {}
             }
             if matches!(series.mark, Mark::Points | Mark::LinePoints) {
@@ -194,17 +199,6 @@ impl Chart {
         }
         Ok(())
     }
-}
-
-/// The shape of a point: circle, square, triangle or diamond, by the colour's index.
-fn shape(index: usize, colour: RGBColor) -> Polygon<(i32, i32)> {
-    let outline = match index % 4 {
-        0 => vec![(-1, -3), (1, -3), (3, -1), (3, 1), (1, 3), (-1, 3), (-3, 1), (-3, -1)],
-        1 => vec![(-3, -3), (3, -3), (3, 3), (-3, 3)],
-        2 => vec![(0, -4), (4, 3), (-4, 3)],
-        _ => vec![(0, -4), (4, 0), (0, 4), (-4, 0)],
-    };
-    Polygon::new(outline, colour.filled())
 }
 
 #[cfg(test)]

@@ -1,11 +1,13 @@
 use super::{
+    curves,
     drawing::{self, Drawing, Drawn, SIZE},
     font::FAMILY,
+    mark::Series,
     scale::{decimals, label, range_of},
 };
 use crate::failure::Failure;
 use plotters::{coord::Shift, prelude::*};
-use std::path::Path;
+use std::{ops::Range, path::Path};
 
 const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
 const BAR: (u32, i32, i32) = (120, 52, 400);
@@ -30,11 +32,13 @@ pub struct Patch {
     pub value: f64,
 }
 
-/// Values over a plane, as colours; a length is the same on both axes.
+/// Values over a plane, as colours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     /// Title, one line.
     pub title: String,
+    /// A line under it, smaller; empty for none.
+    pub subtitle: String,
     /// Label of the horizontal axis, with its unit.
     pub x_label: String,
     /// Label of the vertical axis, with its unit.
@@ -43,6 +47,12 @@ pub struct Field {
     pub value_label: String,
     /// The pieces; later ones hide earlier ones.
     pub patches: Vec<Patch>,
+    /// Lines over them, in ink.
+    pub lines: Vec<Series>,
+    /// Whether a length is the same on both axes, as on a map.
+    pub equal_axes: bool,
+    /// Colours by the value's logarithm between these ends; beyond them the colour of the end.
+    pub logarithmic: Option<Range<f64>>,
 }
 
 /// The colour of a share from 0 to 1.
@@ -53,6 +63,12 @@ fn colour(share: f64) -> RGBColor {
     let [r, g, b] =
         std::array::from_fn(|i| (COLOURS[low][i] * (1.0 - part) + COLOURS[low + 1][i] * part).round() as u8);
     RGBColor(r, g, b)
+}
+
+/// A positive number with two significant figures.
+fn two_figures(value: f64) -> String {
+    let decimals = (1.0 - value.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.decimals$}")
 }
 
 impl Drawing for Field {
@@ -80,8 +96,17 @@ impl Field {
         y_label: impl Into<String>,
         value_label: impl Into<String>,
     ) -> Self {
-        let [title, x_label, y_label] = [title.into(), x_label.into(), y_label.into()];
-        Field { title, x_label, y_label, value_label: value_label.into(), patches: vec![] }
+        Field {
+            title: title.into(),
+            subtitle: String::new(),
+            x_label: x_label.into(),
+            y_label: y_label.into(),
+            value_label: value_label.into(),
+            patches: vec![],
+            lines: vec![],
+            equal_axes: true,
+            logarithmic: None,
+        }
     }
 
     /// The field as an SVG file's text, on white.
@@ -110,24 +135,36 @@ impl Field {
         area: &DrawingArea<B, Shift>,
     ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
         let (margin, below, left) = (12, 46, 74);
+        let titled;
+        let (area, caption) = match self.subtitle.is_empty() {
+            true => (area, self.title.as_str()),
+            false => {
+                let title = area.titled(&self.title, (FAMILY, 19.0).into_font().color(&INK))?;
+                titled = title.titled(&self.subtitle, (FAMILY, 14.0).into_font().color(&INK))?;
+                (&titled, "")
+            }
+        };
         let (width, height) = area.dim_in_pixel();
         let inside =
             [width.saturating_sub(2 * margin + left), height.saturating_sub(2 * margin + below + 28)];
         let corners = || self.patches.iter().flat_map(|patch| patch.corners);
         let ranges = [range_of(corners().map(|at| at.0)), range_of(corners().map(|at| at.1))];
+        let spans = ranges.iter().zip(inside);
         let unit =
-            ranges.iter().zip(inside).map(|(range, pixels)| (range.end - range.start) / f64::from(pixels));
-        let unit = unit.fold(0.0, f64::max);
+            spans.map(|(range, pixels)| (range.end - range.start) / f64::from(pixels)).fold(0.0, f64::max);
         let [x, y] = [0, 1].map(|axis| {
             let middle = 0.5 * (ranges[axis].start + ranges[axis].end);
             let half = 0.5 * unit * f64::from(inside[axis]);
-            middle - half..middle + half
+            if self.equal_axes { middle - half..middle + half } else { ranges[axis].clone() }
         });
         let (x_decimals, y_decimals) = (decimals(&x), decimals(&y));
         let text = || (FAMILY, LABEL).into_font().color(&INK);
-        let mut chart = ChartBuilder::on(area)
+        let mut builder = ChartBuilder::on(area);
+        if !caption.is_empty() {
+            builder.caption(caption, (FAMILY, 19.0).into_font().color(&INK));
+        }
+        let mut chart = builder
             .margin(margin)
-            .caption(&self.title, (FAMILY, 19.0).into_font().color(&INK))
             .x_label_area_size(below)
             .y_label_area_size(left)
             .build_cartesian_2d(x, y)?;
@@ -143,17 +180,21 @@ impl Field {
             .axis_style(INK)
             .draw()?;
         let values = self.values();
-        let share = |value: f64| (value - values.start) / (values.end - values.start);
+        let height = |value: f64| if self.logarithmic.is_some() { value.log10() } else { value };
+        let share = |value: f64| (height(value) - values.start) / (values.end - values.start);
         chart.draw_series(
             self.patches
                 .iter()
                 .map(|patch| Polygon::new(patch.corners.to_vec(), colour(share(patch.value)).filled())),
         )?;
-        Ok(())
+        curves::draw(&mut chart, &self.lines, Some(INK))
     }
 
-    /// Least and greatest value.
-    fn values(&self) -> std::ops::Range<f64> {
+    /// Values, or their logarithms, at the ends of the colours.
+    fn values(&self) -> Range<f64> {
+        if let Some(ends) = &self.logarithmic {
+            return ends.start.log10()..ends.end.log10();
+        }
         let finite = self.patches.iter().map(|patch| patch.value).filter(|value| value.is_finite());
         let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
         if low < high { low..high } else { 0.0..1.0 }
@@ -175,7 +216,13 @@ impl Field {
             let share = f64::from(tick) / 5.0;
             let value = values.start + share * (values.end - values.start);
             let y = bottom - (share * f64::from(bottom - top)).round() as i32;
-            area.draw(&Text::new(label(value, decimals), (28, y - 8), text.clone()))?;
+            let words = match (&self.logarithmic, tick) {
+                (None, _) => label(value, decimals),
+                (Some(_), 0) => format!("≤ {}", two_figures(10f64.powf(value))),
+                (Some(_), 5) => format!("≥ {}", two_figures(10f64.powf(value))),
+                (Some(_), _) => two_figures(10f64.powf(value)),
+            };
+            area.draw(&Text::new(words, (28, y - 8), text.clone()))?;
         }
         let upright = (FAMILY, LABEL).into_font().transform(FontTransform::Rotate90).color(&INK);
         area.draw(&Text::new(self.value_label.clone(), (104, top + 60), upright))?;

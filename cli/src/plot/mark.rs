@@ -28,6 +28,8 @@ pub enum Mark {
     Dots,
     /// A line with points.
     LinePoints,
+    /// Open circles: where a curve ends.
+    Rings,
 }
 
 /// Points under a name. A point that is not finite breaks a line.
@@ -41,12 +43,14 @@ pub struct Series {
     pub mark: Mark,
     /// Which colour; by default that of the series' place in the chart.
     pub colour: Option<usize>,
+    /// What is written at its last point; empty for nothing.
+    pub at_end: String,
 }
 
 impl Series {
     /// A series in the colour of its place.
     pub fn new(name: impl Into<String>, mark: Mark, points: Vec<(f64, f64)>) -> Self {
-        Series { name: name.into(), points, mark, colour: None }
+        Series { name: name.into(), points, mark, colour: None, at_end: String::new() }
     }
 
     /// The same in a given colour, to pair series.

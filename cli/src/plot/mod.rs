@@ -1,6 +1,7 @@
 //! Charts: lines and points over two axes, as SVG (reports, papers) and PNG (everything else).
 
 mod chart;
+mod curves;
 mod drawing;
 mod field;
 mod font;
