@@ -20,7 +20,7 @@ pub fn chart(slice: &Slice<'_>) -> Option<(String, Picture)> {
         i => 0.5 * (angles[i - 1] + angles[i]),
     };
     let (mut patches, mut limits) = (vec![], vec![]);
-    for i in 0..angles.len() {
+    for (i, angle) in angles.iter().enumerate() {
         let Some(path) = slice.path(&[(slice.angle_axis(), i)]) else { continue };
         for pair in path.states.windows(2) {
             let [from, to] = [pair[0].pressure / KPA, pair[1].pressure / KPA];
@@ -32,7 +32,7 @@ pub fn chart(slice: &Slice<'_>) -> Option<(String, Picture)> {
             }
         }
         if let Some(limit) = path.limit_pressure() {
-            limits.push((limit / KPA, angles[i]));
+            limits.push((limit / KPA, *angle));
         }
     }
     // The range of colours leaves out small shares of the area.
