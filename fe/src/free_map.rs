@@ -1,5 +1,8 @@
 pub(crate) use crate::free_sweep::next_fraction;
-use crate::{FreeSweepError, FreeSweepReport, PathError, Run, SectionMesh, SectionSolver, Shard, free_sweep};
+use crate::{
+    FreeSweepError, FreeSweepReport, PathError, PathRequest, Run, SectionMesh, SectionSolver, Shard,
+    free_sweep,
+};
 use actuator::{Fidelity, FreeMap, LoadedFree, MapAxis};
 
 /// How the map of a FREE is computed: a path of section states from rest to the limit point at each angle and modulus.
@@ -7,12 +10,20 @@ use actuator::{Fidelity, FreeMap, LoadedFree, MapAxis};
 /// Every path is followed from rest on its own, so that the map depends neither on the number of threads nor on the sharding.
 /// (Sections of equal EA/(mu B^2) are the same up to the unit of stress; the moduli of a map change that number, and a path
 /// costs milliseconds, so each is solved.)
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeSweep {
     /// Mesh of the section.
     pub mesh: SectionMesh,
     /// States beside those at the pressures asked for: evenly spaced in s = 1 - sqrt(1 - p/p_limit), up to the limit point.
     pub extra_states: usize,
+    /// States are added where the cubic in s through four neighbouring ones misses by more than this share of the greatest change
+    /// of stretch, expansion or twist along the path; `None`: nowhere.
+    pub interpolation_tolerance: Option<f64>,
+    /// Where given, paths go on past the limit point, up to this multiple of the enclosed volume there.
+    pub beyond_limit: Option<f64>,
+    /// Whether each path is solved on two coarser meshes as well, for an estimate of its errors. A mesh with an odd number of
+    /// elements some way cannot be halved, and there is no estimate.
+    pub estimate_errors: bool,
     /// Number of paths between the nodes, for a fit to be judged by.
     pub checks: usize,
     /// Chooses where the checks lie.
@@ -20,9 +31,18 @@ pub struct FreeSweep {
 }
 
 impl Default for FreeSweep {
-    /// The default mesh, 24 states beside those asked for, 6 checks.
+    /// The default mesh with estimates of its errors, 24 states beside those asked for and more where a cubic misses by 1e-5, nothing
+    /// beyond the limit, 6 checks.
     fn default() -> Self {
-        FreeSweep { mesh: SectionMesh::default(), extra_states: 24, checks: 6, seed: 1 }
+        FreeSweep {
+            mesh: SectionMesh::default(),
+            extra_states: 24,
+            interpolation_tolerance: Some(1e-5),
+            beyond_limit: None,
+            estimate_errors: true,
+            checks: 6,
+            seed: 1,
+        }
     }
 }
 
@@ -49,10 +69,21 @@ impl FreeSweep {
     /// The settings in words, as they stand in the map.
     pub fn settings(&self) -> String {
         let SectionMesh { radial, under_fibre, between_fibres } = self.mesh;
+        let errors = if self.estimate_errors && self.mesh.coarsened().is_some() {
+            "errors estimated from half as many elements; "
+        } else {
+            ""
+        };
+        let resolved = self.interpolation_tolerance.map_or_else(String::new, |tolerance| {
+            format!(", more where a cubic misses by {tolerance:e} of the path's change")
+        });
+        let beyond = self.beyond_limit.map_or_else(String::new, |ratio| {
+            format!(", beyond the limit to {ratio} times the volume there")
+        });
         format!(
             "section of half a fibre pitch, nine-node quadrilaterals with linear pressure, {radial} through the wall, \
-             {under_fibre} under half a fibre, {between_fibres} beside it; {} states beside those asked for; \
-             {} checks, seed {}",
+             {under_fibre} under half a fibre, {between_fibres} beside it; {errors}{} states beside those asked \
+             for{resolved}{beyond}; {} checks, seed {}",
             self.extra_states, self.checks, self.seed
         )
     }
@@ -78,8 +109,16 @@ impl FreeSweep {
     ) -> Result<FreeSweepReport, FreeSweepError> {
         let check_points = self.check_points(map);
         free_sweep::fill(map, &check_points, shard, (run, 1), checkpoint, &|node, pressures, _| {
+            let request = PathRequest {
+                load: node.load,
+                pressures,
+                extra_states: self.extra_states,
+                interpolation_tolerance: self.interpolation_tolerance,
+                beyond_limit: self.beyond_limit,
+                estimate_errors: self.estimate_errors,
+            };
             SectionSolver::new(&node.free, self.mesh)
-                .and_then(|mut solver| solver.path_under(node.load, pressures, self.extra_states))
+                .and_then(|mut solver| solver.free_path(&request))
                 .map_err(|error| Some(PathError::Section(error)))
         })
     }
@@ -98,6 +137,9 @@ mod tests {
     const SWEEP: FreeSweep = FreeSweep {
         mesh: SectionMesh { radial: 1, under_fibre: 1, between_fibres: 2 },
         extra_states: 5,
+        interpolation_tolerance: None,
+        beyond_limit: None,
+        estimate_errors: false,
         checks: 3,
         seed: 7,
     };
@@ -169,6 +211,28 @@ mod tests {
             assert!(angle > map.winding_angles()[0] && angle < map.winding_angles()[2]);
             assert!(map.winding_angles().iter().all(|node| (node - angle).abs() > 0.05));
             assert!(modulus > 0.24e6 && modulus < 0.35e6);
+        }
+    }
+
+    #[test]
+    fn a_default_sweep_fills_in_evidence_and_constants_and_beyond_the_limit_where_asked() {
+        let sweep = FreeSweep { extra_states: 5, checks: 1, beyond_limit: Some(1.2), ..FreeSweep::default() };
+        let axes = axes(&[30.0, 60.0], &[0.393e6]);
+        let mut map = sweep.empty_map(free(30.0).into(), axes, vec![0.0, 20e3], Default::default()).unwrap();
+        let told = "errors estimated from half as many elements; 5 states beside those asked for, more where a cubic misses by 1e-5 of \
+                    the path's change, beyond the limit to 1.2 times the volume there";
+        assert!(map.settings.contains(told), "{}", map.settings);
+        let run = Run { jobs: 1, progress: &|_, _| {}, stop: &AtomicBool::new(false) };
+        sweep.fill(&mut map, Shard::WHOLE, &run, &mut |_| {}).unwrap();
+        for path in map.paths.iter().flatten().chain(map.checks.iter().map(|(_, path)| path)) {
+            assert!(path.limit_error.is_some_and(|error| error > 0.0));
+            assert!(path.states.iter().all(|state| state.section.is_some() && state.mesh_error.is_some()));
+            assert!(
+                path.states.len() > 8,
+                "5 states, those asked for and those put between: {}",
+                path.states.len()
+            );
+            assert_eq!(path.beyond.len(), 4);
         }
     }
 

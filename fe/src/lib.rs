@@ -23,7 +23,7 @@ pub use rod::{
     TipLoad,
 };
 pub use run::{Run, Shard};
-pub use section::{SectionError, SectionMesh, SectionSolver, Whereabouts};
+pub use section::{PathRequest, SectionError, SectionMesh, SectionSolver, Whereabouts};
 pub use section_law::{SectionLaw, SectionResponse};
 pub use solid::{
     Branches, Coat, CriticalKind, CriticalPoint, Deformation, FibreModel, PressureLimit, SolidCost,

@@ -68,6 +68,16 @@ pub struct Map {
     #[arg(long, value_name = "KPA", value_parser = positive, allow_hyphen_values = true)]
     pressure_step_kpa: Option<f64>,
 
+    /// Put further states of a section wherever a cubic through four neighbouring ones misses by more than this share of the greatest
+    /// change along the path (default: 1e-5)
+    #[arg(long, value_name = "SHARE", value_parser = share, allow_hyphen_values = true)]
+    interpolation_tolerance: Option<f64>,
+
+    /// Follow a section past its limit pressure as well, up to this multiple of the volume enclosed there; such states are marked
+    /// unstable, and no fit takes them
+    #[arg(long, value_name = "RATIO", value_parser = ratio, allow_hyphen_values = true)]
+    beyond_limit: Option<f64>,
+
     /// Pressures per FREE of a module's map (default: as many as make about 2500 nodes)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=1000))]
     nodes: Option<u64>,
@@ -138,6 +148,16 @@ fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+fn share(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| (1e-7..=1.0).contains(number));
+    number.ok_or_else(|| "must be a share from 1e-7 to 1".into())
+}
+
+fn ratio(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| *number > 1.0 && *number <= 20.0);
+    number.ok_or_else(|| "must be a multiple of the volume above 1 and up to 20, as in 1.5".into())
+}
+
 fn seconds(text: &str) -> Result<Duration, String> {
     let number = text.parse::<f64>().ok().and_then(|number| Duration::try_from_secs_f64(number).ok());
     number.ok_or_else(|| "must be a number of seconds, zero or more".into())
@@ -203,7 +223,13 @@ impl Map {
 
     fn plan(&self, rig: &Rig) -> Result<Plan, Failure> {
         let usage = |message: &str| Err(Failure::usage(format!("{}: {message}", self.of.display())));
+        let is_section =
+            matches!(rig.description, Description::Free(_)) && self.fidelity != Some(Fidelity::Solid);
+        let of_sections = self.interpolation_tolerance.or(self.beyond_limit);
         match (&rig.description, self.fidelity) {
+            _ if of_sections.is_some() && !is_section => usage(
+                "--interpolation-tolerance and --beyond-limit are for the sections of single FREEs; leave them out",
+            ),
             (Description::Module(_), Some(Fidelity::Solid)) => Err(Failure::refused(format!(
                 "{}: --fidelity solid: there is no solid model of modules in this version, only of single FREEs; leave it \
                  out for the rods",
@@ -235,7 +261,13 @@ impl Map {
     }
 
     fn plan_free(&self, rig: &Rig) -> Result<Plan, Failure> {
-        let mut sweep = FreeSweep { seed: self.seed, ..FreeSweep::default() };
+        let usual = FreeSweep::default();
+        let mut sweep = FreeSweep {
+            seed: self.seed,
+            interpolation_tolerance: self.interpolation_tolerance.or(usual.interpolation_tolerance),
+            beyond_limit: self.beyond_limit,
+            ..usual
+        };
         sweep.checks = self.checks.unwrap_or(sweep.checks);
         let map = sweep::plan_free(&sweep, rig, self.axes()?, self.pressures(1.0)?)?;
         Ok(Plan::Free(sweep, map))
@@ -402,6 +434,8 @@ mod tests {
         assert!(winding_angles("0,20").unwrap_err().contains("0 is not between"));
         assert!(winding_angles("80:10:10").is_err());
         assert_eq!(winding_angles("10:30:10").unwrap().0, [10.0, 20.0, 30.0]);
+        assert!(share("1e-5") == Ok(1e-5) && share("0").is_err() && share("nan").is_err());
+        assert!(ratio("1.5") == Ok(1.5) && ratio("1").is_err() && ratio("inf").is_err());
         assert!(seconds("-1").is_err() && seconds("nan").is_err() && seconds("0").unwrap().is_zero());
         assert!(positive_list("0.2,-1").is_err() && positive("-5").is_err() && positive("inf").is_err());
     }

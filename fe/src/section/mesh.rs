@@ -16,9 +16,9 @@ pub struct SectionMesh {
 }
 
 impl Default for SectionMesh {
-    /// Two elements through the wall, one under half the fibre, four beside it.
+    /// Two elements through the wall, two under half the fibre, four beside it: a mesh that can be halved every way.
     fn default() -> Self {
-        SectionMesh { radial: 2, under_fibre: 1, between_fibres: 4 }
+        SectionMesh { radial: 2, under_fibre: 2, between_fibres: 4 }
     }
 }
 
@@ -30,6 +30,17 @@ impl SectionMesh {
             under_fibre: self.under_fibre * factor,
             between_fibres: self.between_fibres * factor,
         }
+    }
+
+    /// Two coarser meshes for an estimate of errors: half as many elements every way, and half as many through the wall. `None` where
+    /// a number of them is odd.
+    pub fn coarsened(self) -> Option<[Self; 2]> {
+        let SectionMesh { radial, under_fibre, between_fibres } = self;
+        let even = [radial, under_fibre, between_fibres].iter().all(|count| count % 2 == 0);
+        let through_wall = SectionMesh { radial: radial / 2, ..self };
+        let every_way =
+            SectionMesh { under_fibre: under_fibre / 2, between_fibres: between_fibres / 2, ..through_wall };
+        even.then_some([every_way, through_wall])
     }
 }
 

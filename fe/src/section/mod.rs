@@ -5,14 +5,19 @@ mod element;
 mod error;
 mod kinematics;
 mod mesh;
+mod mesh_error;
 mod newton;
 mod path;
+mod path_request;
 mod problem;
+mod resolution;
 mod solver;
+mod station;
 mod system;
 #[cfg(test)]
 pub(crate) mod tests;
 
 pub use error::{SectionError, Whereabouts};
 pub use mesh::SectionMesh;
+pub use path_request::PathRequest;
 pub use solver::SectionSolver;

@@ -82,6 +82,16 @@ impl Newton {
         }
     }
 
+    /// As [`Newton::condense`], where wall, stretch and twist are stable at given volume: W is least there exactly where the second
+    /// derivatives of W - p (V - V0) by everything and p have one negative eigenvalue. Those of a matrix are those of a block and of its
+    /// Schur complement together.
+    fn condense_stable_by_volume(&mut self) -> Result<Matrix3<f64>, Failed> {
+        let residual = self.system.relative_residual();
+        let (schur, negative) = self.condense()?;
+        let of_globals = schur.symmetric_eigenvalues().iter().filter(|value| **value < 0.0).count();
+        if negative + of_globals == 1 { Ok(schur) } else { Err(Failed { residual }) }
+    }
+
     fn global_residual(&self, state: &State, control: &Control, parts: &[f64; 2]) -> Vector3<f64> {
         // Where a value is given: how far it is off. Else the derivative of the potential minus the load; for the pressure
         // dP/dp = -V.
@@ -176,16 +186,25 @@ impl Newton {
         Err(Failed { residual })
     }
 
-    /// Change of the state with the enclosed volume at given force and torque, per volume; its third global is dp/dV. Fails where
-    /// the wall is unstable at given lambda, psi and p.
-    pub fn volume_tangent(&mut self, problem: &Problem, tangent: &mut Step) -> Result<(), Failed> {
-        let schur = self.condense_stable()?;
+    /// Change of the state with the enclosed volume at given force and torque, per volume; its third global is dp/dV. Returns the
+    /// stiffness of (lambda, psi, p). Fails where the wall is unstable at given lambda, psi and p; with `by_volume`, only where it is
+    /// unstable at given volume.
+    pub fn volume_tangent(
+        &mut self,
+        problem: &Problem,
+        tangent: &mut Step,
+        by_volume: bool,
+    ) -> Result<Matrix3<f64>, Failed> {
+        let schur = match by_volume {
+            false => self.condense_stable()?,
+            true => self.condense_stable_by_volume()?,
+        };
         let globals = schur.lu().solve(&Vector3::new(0.0, 0.0, -1.0)).ok_or(Failed { residual: f64::NAN })?;
         for (index, value) in tangent.inner.iter_mut().enumerate() {
             *value = -(0..3).map(|a| self.answers[a][index] * globals[a]).sum::<f64>();
         }
         tangent.globals = globals.into();
         problem.complete(&self.system, tangent, false);
-        Ok(())
+        Ok(schur)
     }
 }

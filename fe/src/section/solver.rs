@@ -1,7 +1,8 @@
 use super::{
-    SectionError, SectionMesh,
+    PathRequest, SectionError, SectionMesh,
     error::Whereabouts,
     mesh::Grid,
+    mesh_error::estimate,
     newton::{Control, Failed, Given, Newton},
     path::Path,
     problem::{Problem, State},
@@ -25,6 +26,8 @@ const SHORTEST_SHARE: f64 = 1.0 / 64.0;
 #[derive(Clone, Debug)]
 pub struct SectionSolver {
     free: Free,
+    /// `None` where the grid was given.
+    mesh: Option<SectionMesh>,
     units: Units,
     problem: Problem,
     newton: Newton,
@@ -51,7 +54,7 @@ impl Units {
     }
 }
 
-fn check(
+pub(crate) fn check(
     field: &'static str,
     value: f64,
     accepted: bool,
@@ -108,7 +111,8 @@ impl SectionSolver {
     /// [`SectionError::Invalid`] where a number makes no tube, no helix or no mesh.
     pub fn new(free: &Free, mesh: SectionMesh) -> Result<Self, SectionError> {
         check_free(free, mesh)?;
-        Ok(Self::with_grid(free, Grid::half_pitch(free, mesh)))
+        let grid = Grid::half_pitch(free, mesh);
+        Ok(SectionSolver { mesh: Some(mesh), ..Self::with_grid(free, grid) })
     }
 
     pub(crate) fn with_grid(free: &Free, grid: Grid) -> Self {
@@ -116,7 +120,7 @@ impl SectionSolver {
         let newton = Newton::new(&problem);
         let rest = problem.rest();
         let units = Units { length: free.tube.outer_radius(), stress: free.elastomer.shear_modulus() };
-        SectionSolver { free: *free, units, problem, newton, state: rest.clone(), rest }
+        SectionSolver { free: *free, mesh: None, units, problem, newton, state: rest.clone(), rest }
     }
 
     /// The FREE.
@@ -217,12 +221,8 @@ impl SectionSolver {
     /// States under free, closed ends: those at the `pressures` (Pa, rising) that exist, and `extra` more, evenly spaced in
     /// s = 1 - sqrt(1 - p/p_limit), up to and including the limit state. Twist has the sign of the FREE's own hand.
     ///
-    /// The path is followed by prescribing the enclosed volume, beyond the greatest pressure asked for, until the pressure has
-    /// a maximum; a FREE that swells or stretches threefold without one ends with `PathEnd::Range`, and then states beyond the
-    /// pressures asked for are left out.
-    ///
     /// # Errors
-    /// [`SectionError::NotConverged`] where the path cannot be followed.
+    /// As [`SectionSolver::free_path`].
     pub fn path(&mut self, pressures: &[f64], extra: usize) -> Result<FreePath, SectionError> {
         self.path_under(EndLoad::default(), pressures, extra)
     }
@@ -231,22 +231,39 @@ impl SectionSolver {
     /// up.
     ///
     /// # Errors
-    /// As [`SectionSolver::path`]; also where the FREE does not bear the load without pressure.
+    /// As [`SectionSolver::free_path`].
     pub fn path_under(
         &mut self,
         load: EndLoad,
         pressures: &[f64],
         extra: usize,
     ) -> Result<FreePath, SectionError> {
-        check("force", load.force, load.force.is_finite(), "it must be a number, in N")?;
-        check("torque", load.torque, load.torque.is_finite(), "it must be a number, in N m")?;
-        for pressure in pressures {
-            check("pressure", *pressure, *pressure >= 0.0, "a path rises from zero, in Pa")?;
-        }
+        self.free_path(&PathRequest { load, pressures, extra_states: extra, ..PathRequest::default() })
+    }
+
+    /// States of the FREE from zero pressure up, with energy, stiffness and what else was asked for. Twist, torque and coupling have
+    /// the sign of the FREE's own hand.
+    ///
+    /// The path is followed by prescribing the enclosed volume, beyond the greatest pressure asked for, until the pressure has
+    /// a maximum; a FREE that swells or stretches threefold without one ends with `PathEnd::Range`, and then states beyond the
+    /// pressures asked for are left out. Errors are estimated where the mesh can be halved.
+    ///
+    /// # Errors
+    /// [`SectionError::NotConverged`] where the path cannot be followed, also where the FREE does not bear the load without
+    /// pressure; [`SectionError::Invalid`] where a number asked for makes no sense.
+    pub fn free_path(&mut self, request: &PathRequest<'_>) -> Result<FreePath, SectionError> {
+        request.check()?;
         let hand = self.free.winding.handedness.sign();
         let Units { length: b, stress: mu } = self.units;
-        let loads = [load.force / (mu * b * b), hand * load.torque / (mu * b * b * b)];
+        let EndLoad { force, torque } = request.load;
+        let loads = [force / (mu * b * b), hand * torque / (mu * b * b * b)];
         let path = Path::follow(&self.problem, &mut self.newton, &self.rest, loads, self.units)?;
-        path.states(&self.problem, &mut self.newton, pressures, extra, hand)
+        let mut path = path.states(&self.problem, &mut self.newton, request, hand)?;
+        if let Some([a, b]) = self.mesh.and_then(SectionMesh::coarsened).filter(|_| request.estimate_errors) {
+            let pressures: Vec<f64> = path.states.iter().map(|state| state.pressure).collect();
+            let on = |mesh| Self::new(&self.free, mesh)?.path_under(request.load, &pressures, 0);
+            estimate(&mut path, &[on(a)?, on(b)?]);
+        }
+        Ok(path)
     }
 }

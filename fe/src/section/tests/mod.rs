@@ -1,7 +1,11 @@
 //! Tests of the section as a whole.
 
 mod accuracy;
+mod beyond;
+mod constants;
+mod mesh_error;
 mod path;
+mod resolution;
 mod response;
 
 use super::{
@@ -12,7 +16,8 @@ use super::{
 };
 use crate::{SectionLaw, ThickTube};
 use actuator::{
-    Elastomer, Fibre, FibreLaw, Free, Handedness, OgdenForm, OgdenTerm, OgdenTerms, PathEnd, Tube, Winding,
+    Elastomer, EndLoad, Fibre, FibreLaw, Free, FreeState, Handedness, OgdenForm, OgdenTerm, OgdenTerms,
+    PathEnd, Tube, Winding,
 };
 
 /// The tube of the reference numbers: mu = 0.393 MPa, Ogden 1.2, bore 4.76 mm, wall 0.8 mm, six linear fibres of 644 N.
