@@ -10,18 +10,6 @@ pub enum PathEnd {
     Range,
 }
 
-/// Where the states of a path come from.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Origin {
-    /// Each was solved.
-    Solved,
-    /// Interpolated between solved paths of other shear moduli, in p/mu and EA/(mu B^2).
-    Similar {
-        /// Greatest difference found where such a path was solved as well, over the greatest change of the quantity along the path.
-        error: f64,
-    },
-}
-
 /// The states of one FREE from zero pressure up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FreePath {
@@ -34,14 +22,12 @@ pub struct FreePath {
     pub beyond: Vec<FreeState>,
     /// Estimated error of the limit pressure that comes from the mesh, Pa, where a coarser mesh was asked.
     pub limit_error: Option<f64>,
-    /// Where the states come from.
-    pub origin: Origin,
 }
 
 impl FreePath {
     /// A path of solved states and nothing more.
     pub fn solved(states: Vec<FreeState>, end: PathEnd) -> Self {
-        FreePath { states, end, beyond: Vec::new(), limit_error: None, origin: Origin::Solved }
+        FreePath { states, end, beyond: Vec::new(), limit_error: None }
     }
 
     /// Limit pressure, Pa, where one was met.

@@ -39,7 +39,7 @@ pub use elastomer::{
 pub use free::Free;
 pub use free_map::{Fidelity, FreeMap};
 pub use free_map_old::{FreeMapVersion1, FreeMapVersion2};
-pub use free_path::{FreePath, Origin, PathEnd};
+pub use free_path::{FreePath, PathEnd};
 pub use free_state::{FreeState, MeshError, Middle, SectionConstants};
 pub use loaded_free::{EndLoad, LoadedFree};
 pub use map_axis::{FreeParameter, MapAxis, ParameterError};

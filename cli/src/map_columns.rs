@@ -5,7 +5,7 @@ use crate::{
     map_csv::{POSE_HEADER, pose_numbers, pressure_header},
 };
 use actuator::{
-    Fidelity, FreeMap, FreePath, FreeState, ModuleMap, Origin, PathEnd,
+    Fidelity, FreeMap, FreePath, FreeState, ModuleMap, PathEnd,
     units::{DEG, KPA, MM},
 };
 
@@ -109,13 +109,9 @@ pub fn free_map(map: &FreeMap) -> Columns {
             row(state.pressure, deformation(state, capped), status, evidence(state, path));
         };
         let last = path.states.len().saturating_sub(1);
-        let solved = match path.origin {
-            Origin::Solved => "converged",
-            Origin::Similar { .. } => "similar",
-        };
         for (k, state) in path.states.iter().enumerate() {
             let at_limit = k == last && path.end == PathEnd::LimitPoint;
-            of(state, if at_limit { "limit point" } else { solved });
+            of(state, if at_limit { "limit point" } else { "converged" });
         }
         path.beyond.iter().for_each(|state| of(state, "unstable"));
         let end = path.states.last().map_or(0.0, |state| state.pressure);

@@ -4,7 +4,7 @@ use super::{
     free_table,
 };
 use crate::{columns::Columns, map_columns, plot::Picture};
-use actuator::{Fidelity, FreeMap, FreeParameter, FreePath, MapAxis, Origin, units::*};
+use actuator::{Fidelity, FreeMap, FreeParameter, FreePath, MapAxis, units::*};
 use serde_json::json;
 use std::path::Path;
 
@@ -33,7 +33,6 @@ impl Content for FreeMap {
                 "limit_pressure_error_kpa": path.and_then(|path| path.limit_error).map(|error| error / KPA),
                 "greatest_pressure_kpa": path.and_then(|path| path.states.last()).map(|state| state.pressure / KPA),
                 "unstable_states": path.map(|path| path.beyond.len()),
-                "similar": path.map(|path| path.origin != Origin::Solved),
                 "residual": path.map(free_table::residual),
                 "mesh_error": path.and_then(free_table::mesh_error).map(|[stretch, expansion, twist]| json!({
                     "axial_stretch": stretch, "expansion": expansion, "twist_per_length_deg_per_mm": twist / DEG * MM,
