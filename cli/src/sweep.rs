@@ -3,7 +3,8 @@
 use crate::{exit::Exit, failure::Failure, interrupt, map_file::MapFile, progress::Progress, table::short};
 use actuator::{Free, FreeMap, LoadedFree, MapAxis, Module, ModuleMap, Rig, units::KPA};
 use fe::{
-    FreeSweep, FreeSweepError, FreeSweepReport, ModuleSweep, ModuleSweepReport, Run, Shard, SolidSweep,
+    CappedSweep, CapsReport, FreeSweep, FreeSweepError, FreeSweepReport, ModuleSweep, ModuleSweepReport, Run,
+    Shard, SolidSweep,
 };
 use std::{
     path::Path,
@@ -18,6 +19,8 @@ pub const SAVE_EVERY: Duration = Duration::from_secs(3);
 pub struct Swept {
     /// States or paths that were not found, and why.
     pub failed: Vec<String>,
+    /// What was done about caps, where sections are corrected for them.
+    pub caps: Option<CapsReport>,
 }
 
 /// Computes what is missing of a FREE's map, telling and saving it as it is told to.
@@ -51,6 +54,17 @@ impl Sweeping<'_> {
         let report = self
             .paths("computing states", &mut |run, checkpoint| sweep.fill(map, self.shard, run, checkpoint))?;
         Ok(told_of_free(&report, map))
+    }
+
+    /// Computes what is missing of a FREE's map of sections between caps.
+    pub fn capped(&self, sweep: &CappedSweep, map: &mut FreeMap) -> Result<Swept, Failure> {
+        let mut caps = None;
+        let report = self.paths("computing end effects", &mut |run, checkpoint| {
+            let (report, done) = sweep.fill(map, self.shard, run, checkpoint)?;
+            caps = Some(done);
+            Ok(report)
+        })?;
+        Ok(Swept { caps, ..told_of_free(&report, map) })
     }
 
     fn paths(&self, what: &str, fill: &mut Fill<'_>) -> Result<FreeSweepReport, Failure> {
@@ -112,7 +126,7 @@ pub fn place(node: &LoadedFree, map: &FreeMap) -> String {
 
 fn told_of_free(report: &FreeSweepReport, map: &FreeMap) -> Swept {
     let failed = report.failed.iter().map(|failed| format!("{}: {}", place(&failed.node, map), failed.error));
-    Swept { failed: failed.collect() }
+    Swept { failed: failed.collect(), caps: None }
 }
 
 /// Threads that this machine runs at once.
@@ -179,7 +193,7 @@ fn told_of_module(report: &ModuleSweepReport) -> Swept {
         let pressures: Vec<String> = failed.pressures.iter().map(|pressure| short(pressure / KPA)).collect();
         format!("at {} kPa: {}", pressures.join(", "), failed.error)
     });
-    Swept { failed: failed.collect() }
+    Swept { failed: failed.collect(), caps: None }
 }
 
 /// An empty map of a FREE over the given axes (SI).

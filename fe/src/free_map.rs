@@ -1,9 +1,9 @@
 pub(crate) use crate::free_sweep::next_fraction;
 use crate::{
-    FreeSweepError, FreeSweepReport, PathError, PathRequest, Run, SectionMesh, SectionSolver, Shard,
-    free_sweep,
+    FreeSweepError, FreeSweepReport, PathError, PathRequest, Run, SectionError, SectionMesh, SectionSolver,
+    Shard, free_sweep,
 };
-use actuator::{Fidelity, FreeMap, LoadedFree, MapAxis};
+use actuator::{Fidelity, FreeMap, FreePath, LoadedFree, MapAxis};
 
 /// How the map of a FREE is computed: a path of section states from rest to the limit point at each angle and modulus.
 ///
@@ -109,18 +109,24 @@ impl FreeSweep {
     ) -> Result<FreeSweepReport, FreeSweepError> {
         let check_points = self.check_points(map);
         free_sweep::fill(map, &check_points, shard, (run, 1), checkpoint, &|node, pressures, _| {
-            let request = PathRequest {
-                load: node.load,
-                pressures,
-                extra_states: self.extra_states,
-                interpolation_tolerance: self.interpolation_tolerance,
-                beyond_limit: self.beyond_limit,
-                estimate_errors: self.estimate_errors,
-            };
-            SectionSolver::new(&node.free, self.mesh)
-                .and_then(|mut solver| solver.free_path(&request))
-                .map_err(|error| Some(PathError::Section(error)))
+            self.path(node, pressures).map_err(|error| Some(PathError::Section(error)))
         })
+    }
+
+    /// The path of one FREE through pressures (Pa, rising, the first zero).
+    ///
+    /// # Errors
+    /// [`SectionError`] where there is no such section or the path is lost.
+    pub fn path(&self, node: &LoadedFree, pressures: &[f64]) -> Result<FreePath, SectionError> {
+        let request = PathRequest {
+            load: node.load,
+            pressures,
+            extra_states: self.extra_states,
+            interpolation_tolerance: self.interpolation_tolerance,
+            beyond_limit: self.beyond_limit,
+            estimate_errors: self.estimate_errors,
+        };
+        SectionSolver::new(&node.free, self.mesh)?.free_path(&request)
     }
 }
 

@@ -1,6 +1,8 @@
 //! Finite elements of FREE actuators: materials, section, rod module, continuation.
 
+mod capped_map;
 mod closed_form;
+mod end_effect;
 mod free_map;
 mod free_sweep;
 mod jet;
@@ -14,7 +16,9 @@ mod solid;
 mod solid_map;
 mod sparse;
 
+pub use capped_map::{CappedSweep, CapsReport};
 pub use closed_form::{ClosedFormError, ThickTube};
+pub use end_effect::{EndChange, EndEffect, PressureUnit};
 pub use free_map::FreeSweep;
 pub use free_sweep::{FailedPath, FreeSweepError, FreeSweepReport, PathError};
 pub use module_map::{FailedState, ModuleSweep, ModuleSweepError, ModuleSweepReport};
@@ -26,7 +30,7 @@ pub use run::{Run, Shard};
 pub use section::{PathRequest, SectionError, SectionMesh, SectionSolver, Whereabouts};
 pub use section_law::{SectionLaw, SectionResponse};
 pub use solid::{
-    Branches, Coat, CriticalKind, CriticalPoint, Deformation, FibreModel, PressureLimit, SolidCost,
+    Branches, Coat, CriticalKind, CriticalPoint, Deformation, FibreModel, Plane, PressureLimit, SolidCost,
     SolidError, SolidLoad, SolidMesh, SolidMode, SolidPath, SolidSolver, SolidState, Specimen, Stability,
     StrainAt, StrainFacet, Strains, write_pvd,
 };

@@ -96,6 +96,12 @@ impl SolidSweep {
 
     /// The settings in words, as they stand in the map.
     pub fn settings(&self, free: &Free, winding_angles: &[f64]) -> String {
+        let solid = self.solid_in_words(free, winding_angles);
+        format!("{solid}; {} checks, seed {}", self.checks, self.seed)
+    }
+
+    /// The solids in words.
+    pub(crate) fn solid_in_words(&self, free: &Free, winding_angles: &[f64]) -> String {
         let mut along: Vec<(f64, SolidMesh)> =
             winding_angles.iter().map(|&angle| (angle, self.mesh(&free.at(angle, 1.0)))).collect();
         along.dedup_by(|next, before| next.1 == before.1);
@@ -110,10 +116,8 @@ impl SolidSweep {
         let bulk_ratio = Specimen::from(free).bulk_ratio;
         format!(
             "solid between rigid caps, from one fibre to the next, 27-node hexahedra with linear pressure, bulk over shear modulus {bulk_ratio:.0}; elements \
-             through the wall, around, along: {}; fibres as wide as described; {} checks, seed {}",
-            meshes.join(", "),
-            self.checks,
-            self.seed
+             through the wall, around, along: {}; fibres as wide as described",
+            meshes.join(", ")
         )
     }
 

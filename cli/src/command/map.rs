@@ -12,7 +12,7 @@ use crate::{
     values::Values,
 };
 use actuator::{Description, FreeMap, FreeParameter, MapAxis, Module, ModuleMap, Rig, units::KPA};
-use fe::{FreeSweep, FreeSweepError, ModuleSweep, PathError, SolidError, SolidSweep};
+use fe::{CappedSweep, FreeSweep, FreeSweepError, ModuleSweep, PathError, SolidError, SolidSweep};
 use serde_json::json;
 use std::{
     io::{IsTerminal, stderr},
@@ -29,12 +29,16 @@ use std::{
 /// cap to cap, those of the middle stand beside them, and a path ends at --pressure-max-kpa if it meets no limit before.
 /// Its states as files for ParaView are written by `freeact inspect M.map --vtu DIR`.
 ///
+/// --caps corrects the sections for rigid caps at the FREE's length by the end extension and end twist of a few solids: states are then
+/// from cap to cap as a solid's are. Their limit pressure stays the section's; that of a FREE between caps is higher.
+///
 /// Ctrl-C keeps what is finished; --resume goes on from there. --shard computes a part, for several machines; `freeact merge`
 /// joins the parts.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   freeact map --of data/actuators/buffinton-2020.toml --out paper.map --winding-angles 10:80:10 --shear-moduli-mpa 0.2,0.393,0.6
   freeact map --of data/actuators/buffinton-2020.toml --out solid.map --fidelity solid --winding-angles 20:60:10
+  freeact map --of data/actuators/buffinton-2020.toml --out capped.map --caps --winding-angles 20:60:10
   freeact map --of data/actuators/buffinton-2020.toml --out walls.map --axis wall_mm=0.6:1.0:0.1 --axis fibres=4,6,8
   freeact map --of data/modules/buffinton-2020-30lr.toml --out module.map --nodes 7
   freeact map --of data/modules/buffinton-2020-30lr.toml --out part.1.map --shard 1/4")]
@@ -94,7 +98,11 @@ pub struct Map {
     #[arg(long, value_enum)]
     fidelity: Option<Fidelity>,
 
-    /// Elements of a solid through the wall, around and along the tube (default: 2, four for each fibre, and as many along as keep
+    /// Correct sections for the rigid caps of a FREE of the description's length (FREE, --fidelity section)
+    #[arg(long)]
+    caps: bool,
+
+    /// Elements of a solid, or of the solids that --caps takes, 18 outer radii long, through the wall, around and along the tube (default: 2, four for each fibre, and as many along as keep
     /// them well shaped)
     #[arg(long, value_name = "RADIAL,AROUND,ALONG", value_parser = elements)]
     elements: Option<Elements>,
@@ -182,6 +190,7 @@ fn winding_angles(text: &str) -> Result<Values, String> {
 /// A map with nothing computed, and what computes it.
 enum Plan {
     Free(FreeSweep, FreeMap),
+    Capped(CappedSweep, FreeMap),
     Solid(SolidSweep, FreeMap),
     Module(ModuleSweep, ModuleMap),
 }
@@ -197,6 +206,11 @@ impl Map {
             Plan::Free(sweep, mut map) => {
                 map = self.resumed(MapFile::Free(map))?.into_free()?;
                 let swept = sweeping.free(&sweep, &mut map)?;
+                (MapFile::Free(map), swept)
+            }
+            Plan::Capped(sweep, mut map) => {
+                map = self.resumed(MapFile::Free(map))?.into_free()?;
+                let swept = sweeping.capped(&sweep, &mut map)?;
                 (MapFile::Free(map), swept)
             }
             Plan::Solid(sweep, mut map) => {
@@ -244,10 +258,17 @@ impl Map {
             (Description::Free(_), _) if self.nodes.is_some() => {
                 usage("--nodes is for modules; a FREE's pressures are set by --pressure-step-kpa")
             }
-            (_, fidelity) if self.elements.is_some() && fidelity != Some(Fidelity::Solid) => {
-                usage("--elements is for solids; give --fidelity solid with it, or leave it out")
+            (Description::Module(_), _) if self.caps => {
+                usage("--caps is for single FREEs; the FREEs of a module's map are rods without end effects")
+            }
+            (_, Some(Fidelity::Solid)) if self.caps => usage(
+                "--caps is for sections; a solid has its caps: leave one of --caps and --fidelity solid out",
+            ),
+            (_, fidelity) if self.elements.is_some() && !self.caps && fidelity != Some(Fidelity::Solid) => {
+                usage("--elements is for solids; give --fidelity solid or --caps with it, or leave it out")
             }
             (Description::Free(_), Some(Fidelity::Solid)) => self.plan_solid(rig),
+            (Description::Free(_), _) if self.caps => self.plan_capped(rig),
             (Description::Free(_), _) => self.plan_free(rig),
             (Description::Module(_), _)
                 if self.winding_angles.is_some() || self.shear_moduli_mpa.is_some() =>
@@ -273,21 +294,33 @@ impl Map {
         Ok(Plan::Free(sweep, map))
     }
 
+    fn plan_capped(&self, rig: &Rig) -> Result<Plan, Failure> {
+        let mut sweep = CappedSweep::default();
+        (sweep.solid.elements, sweep.section.seed) = (self.elements, self.seed);
+        sweep.section.checks = self.checks.unwrap_or(sweep.section.checks);
+        let source = (rig.name.clone(), rig.text.clone());
+        let planned = sweep.empty_map(rig.frees()[0].into(), self.axes()?, self.pressures(1.0)?, source);
+        Ok(Plan::Capped(sweep, planned.map_err(|error| self.unplanned_solid(error, rig))?))
+    }
+
     fn plan_solid(&self, rig: &Rig) -> Result<Plan, Failure> {
         let mut sweep = SolidSweep { elements: self.elements, seed: self.seed, ..SolidSweep::default() };
         sweep.checks = self.checks.unwrap_or(sweep.checks);
         let source = (rig.name.clone(), rig.text.clone());
         let planned = sweep.empty_map(rig.frees()[0].into(), self.axes()?, self.pressures(5.0)?, source);
-        let map = planned.map_err(|error| match &error {
-            // Of a mesh that was given the command line is at fault, not the description.
+        Ok(Plan::Solid(sweep, planned.map_err(|error| self.unplanned_solid(error, rig))?))
+    }
+
+    /// Why a sweep with solids cannot be begun. Of a mesh that was given the command line is at fault, not the description.
+    fn unplanned_solid(&self, error: FreeSweepError, rig: &Rig) -> Failure {
+        match &error {
             FreeSweepError::Free { source: PathError::Solid(SolidError::Invalid { field, .. }), .. }
                 if self.elements.is_some() && field.contains("elements") =>
             {
                 Failure::usage(format!("--elements: {error}"))
             }
             _ => sweep::unplanned(error, rig),
-        })?;
-        Ok(Plan::Solid(sweep, map))
+        }
     }
 
     /// The axes asked for (SI).
@@ -375,6 +408,10 @@ impl Map {
             value["out"] = json!(self.out);
             value["seconds"] = json!(seconds);
             value["failed"] = json!(swept.failed);
+            if let Some(caps) = swept.caps {
+                value["end_effects"] =
+                    json!({ "computed": caps.end_effects, "difference_between_moduli": caps.difference });
+            }
             return output::print_json(&value);
         }
         let missing = match nodes - computed {
@@ -389,6 +426,13 @@ impl Map {
             duration(seconds),
             short(map.worst_residual())
         ));
+        if let Some(caps) = swept.caps {
+            output::print(&format!(
+                "  end effects from {} solids; those of the first and the last shear modulus differ by up to {} % of the greatest\n",
+                caps.end_effects,
+                short(100.0 * caps.difference)
+            ));
+        }
         for failed in swept.failed.iter().take(10) {
             eprintln!("not converged: {failed}");
         }
