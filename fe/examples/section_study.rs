@@ -209,7 +209,10 @@ fn fibre_study() -> Result<(), SectionError> {
                     errors.map(|error| format!("{error:.2}")).join(" | ")
                 };
                 let from = (0..3).map(|q| {
-                    let wrong = |(_, errors): &&(u32, Vec<[f64; 3]>)| !(errors[index][q].abs() < 1.0);
+                    let wrong = |(_, errors): &&(u32, Vec<[f64; 3]>)| {
+                        let error = errors[index][q].abs();
+                        error.is_nan() || error >= 1.0
+                    };
                     match table.iter().rev().find(wrong) {
                         None => "1".to_owned(),
                         Some((48, _)) => "more".to_owned(),
@@ -319,8 +322,8 @@ fn time_study() -> Result<(), SectionError> {
 
 fn main() -> Result<(), SectionError> {
     let part = std::env::args().nth(1);
-    let studies: [(&str, fn() -> Result<(), SectionError>); 3] =
-        [("mesh", mesh_study), ("fibres", fibre_study), ("time", time_study)];
+    type Study = fn() -> Result<(), SectionError>;
+    let studies: [(&str, Study); 3] = [("mesh", mesh_study), ("fibres", fibre_study), ("time", time_study)];
     for (name, study) in studies {
         if part.as_deref().is_none_or(|part| part == name) {
             study()?;

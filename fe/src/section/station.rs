@@ -68,6 +68,12 @@ impl Walker<'_> {
     /// The state without pressure, from the unloaded one; the loads are put on by halves where they are too much at once.
     pub fn unpressurised(&mut self, rest: &State) -> Result<Station, Failed> {
         let loads = self.loads;
+        if loads == [0.0; 2] {
+            // Equilibrium as it stands. Newton's method would only stir the rounding of small elements, times the bulk modulus.
+            let failed = Failed { residual: f64::NAN };
+            self.problem.linearise(rest, &mut self.newton.system).map_err(|_| failed)?;
+            return self.station(rest.clone(), self.newton.system.relative_residual());
+        }
         let mut halvings = 0;
         loop {
             let parts = 1 << halvings;
@@ -98,11 +104,15 @@ impl Walker<'_> {
     fn solve_given(&mut self, mut state: State, pressure: Given) -> Result<(Station, Converged), Failed> {
         let given = [Given::Conjugate(self.loads[0]), Given::Conjugate(self.loads[1]), pressure];
         let converged = self.newton.solve(self.problem, &mut state, &given)?;
+        Ok((self.station(state, converged.residual)?, converged))
+    }
+
+    /// The station of a state at which the system is linearised.
+    fn station(&mut self, state: State, residual: f64) -> Result<Station, Failed> {
         let (volume, enthalpy) = (self.newton.system.volume, self.newton.system.energy);
         let mut tangent = Step::new(self.problem);
         let schur = self.newton.volume_tangent(self.problem, &mut tangent, self.by_volume)?;
-        let residual = converged.residual;
-        Ok((Station { volume, state, tangent, residual, enthalpy, schur }, converged))
+        Ok(Station { volume, state, tangent, residual, enthalpy, schur })
     }
 
     /// The state one step of the volume past `last`, started by its tangent and, where there is a station `before`, its change.

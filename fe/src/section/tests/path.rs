@@ -147,3 +147,16 @@ fn limit_point_is_flat_and_its_pressure_the_greatest() {
     let last = steps.len() - 1;
     assert!((steps[last] / steps[last - 1] - 1.0).abs() < 0.1, "{steps:?}");
 }
+
+#[test]
+fn narrow_elements_under_many_thin_threads_do_not_hinder_the_start() {
+    // Rounding in elements of a hundredth of a millimetre, times the bulk modulus, once counted as a force at rest.
+    let mut free = free(10.0);
+    free.winding.fibres = 48;
+    free.winding.fibre.axial_stiffness *= 6.0 / 48.0;
+    free.winding.fibre.diameter *= 6.0 / 48.0;
+    let path = solver(&free, SectionMesh::default()).path(&[20e3], 0).unwrap();
+    let rest = path.states[0];
+    assert_eq!((rest.axial_stretch, rest.twist_per_length), (1.0, 0.0));
+    assert!(path.states[1..].iter().all(|state| state.residual < 5e-9), "{:?}", path.states);
+}
