@@ -1,10 +1,15 @@
 //! Binary files of the project (maps, models): a header that names and guards the content, then the content.
 //!
 //! Layout: 8 bytes magic, u32 little-endian format version, 32 bytes BLAKE3 of the body, body (postcard).
-//! A file is written beside its target and renamed, so that a kill leaves either the old file or the new one.
+//! A file is written beside its target and renamed when the disk has it, so that a kill or a loss of power leaves either the old
+//! file or the new one.
 
 use serde::{Serialize, de::DeserializeOwned};
-use std::{fs, io, path::Path, path::PathBuf};
+use std::{
+    fs::{self, File},
+    io::{self, Write},
+    path::{Path, PathBuf},
+};
 
 /// Kind of a binary file: its magic bytes, the version now written and its name in messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,7 +98,11 @@ pub fn write<T: Serialize>(path: &Path, kind: Kind, content: &T) -> Result<(), A
     let mut beside = path.as_os_str().to_owned();
     beside.push(".part");
     let io_error = |source| ArtefactError::Io { path: path.to_owned(), source };
-    fs::write(&beside, bytes).map_err(io_error)?;
+    let written = File::create(&beside).and_then(|mut file| {
+        file.write_all(&bytes)?;
+        file.sync_all()
+    });
+    written.map_err(io_error)?;
     fs::rename(&beside, path).map_err(io_error)
 }
 

@@ -4,14 +4,18 @@ use crate::{
     command::fit,
     exit::Exit,
     failure::Failure,
-    interrupt,
+    interrupt, lasting,
     map_file::MapFile,
+    points::Points,
     sweep::{self, Sweeping},
 };
 use actuator::{Description, Free, MapAxis, Module, ModuleMap, Rig, units::DEG};
 use fe::{FreeSweep, ModuleSweep};
 use rom::Model;
-use std::path::Path;
+use std::{
+    path::Path,
+    sync::{Mutex, PoisonError},
+};
 
 /// Pressures beyond the rig's greatest that a rubber softer than described answers as if it stood under them.
 const BEYOND: f64 = 1.3;
@@ -34,26 +38,27 @@ pub fn of(rig: &Rig, directory: &Path) -> Result<Model, Failure> {
             return Ok(model);
         }
     }
-    let map = map(rig, &map_path)?;
+    let points = Mutex::new(Points::open(&lasting::beside(&map_path))?);
+    let map = map(rig, &Sweeping { points: Some(&points), ..Sweeping::whole() })?;
     map.write(&map_path)?;
+    points.into_inner().unwrap_or_else(PoisonError::into_inner).remove()?;
     let model = fit::fit(&map).map_err(|failure| failure.about(&rig.path))?;
     model.write(&model_path)?;
     Ok(model)
 }
 
-/// The map that identification needs; saved as it grows.
-fn map(rig: &Rig, save: &Path) -> Result<MapFile, Failure> {
-    let sweeping = Sweeping { save: Some((save, sweep::SAVE_EVERY)), ..Sweeping::whole() };
+/// The map that identification needs. What an earlier run had finished of it is not computed again.
+fn map(rig: &Rig, sweeping: &Sweeping) -> Result<MapFile, Failure> {
     match &rig.description {
         Description::Free(free) => {
             let sweep = FreeSweep::default();
             let (axes, pressures) = free_axes(free, rig.limits.pressure_max[0]);
             let mut map = sweep::plan_free(&sweep, rig, axes, pressures)?;
-            let swept = sweeping.free(&sweep, &mut map)?;
+            let swept = sweeping.paths(&sweep, &mut map)?;
             converged(rig, &swept.failed)?;
             Ok(MapFile::Free(map))
         }
-        Description::Module(module) => module_map(rig, module, &sweeping).map(MapFile::Module),
+        Description::Module(module) => module_map(rig, module, sweeping).map(MapFile::Module),
     }
 }
 
@@ -67,8 +72,7 @@ fn module_map(rig: &Rig, module: &Module, sweeping: &Sweeping) -> Result<ModuleM
         const CORNERS: usize = 2;
         for nodes in [CORNERS, sweep::usual_nodes(module.frees.len())] {
             let mut map = sweep::plan_module(rig, module, &greatest, nodes, &sweep)?;
-            let save = if nodes == CORNERS { None } else { sweeping.save };
-            let swept = Sweeping { save, ..*sweeping }.module(&sweep, &mut map)?;
+            let swept = sweeping.rows(&sweep, &mut map)?;
             refused = converged(rig, &swept.failed);
             match &refused {
                 Err(_) => break,

@@ -1,30 +1,30 @@
-//! Sweeps of finite elements, told of, saved as they go, and stopped by Ctrl-C.
+//! Sweeps of finite elements, told of, their points kept as they come, and stopped by Ctrl-C.
 
-use crate::{exit::Exit, failure::Failure, interrupt, map_file::MapFile, progress::Progress, table::short};
-use actuator::{Free, FreeMap, LoadedFree, MapAxis, Module, ModuleMap, Rig, units::KPA};
+use crate::{
+    exit::Exit, failure::Failure, interrupt, path_sweep::PathSweep, point_key, points::Points,
+    progress::Progress, table::short,
+};
+use actuator::{
+    Free, FreeMap, FreePath, LoadedFree, MapAxis, Module, ModuleCheck, ModuleMap, ModuleState, Rig,
+    units::KPA,
+};
 use fe::{
-    CappedSweep, CapsReport, FreeSweep, FreeSweepError, FreeSweepReport, ModuleSweep, ModuleSweepReport, Run,
-    Shard, SolidSweep,
+    CapsReport, FreeSweep, FreeSweepError, FreeSweepReport, ModuleSweep, ModuleSweepReport, Run, Shard,
 };
-use std::{
-    path::Path,
-    time::{Duration, Instant},
-};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Time between two savings of an unfinished map, where none is asked for; `map --help` says the same.
-pub const SAVE_EVERY: Duration = Duration::from_secs(3);
-
-/// What a sweep did.
+/// What a sweep did. Points are paths of a FREE, rows and checks of a module.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Swept {
+    /// Points of this part that were there before.
+    pub found: usize,
+    /// Points computed now.
+    pub computed: usize,
     /// States or paths that were not found, and why.
     pub failed: Vec<String>,
     /// What was done about caps, where sections are corrected for them.
     pub caps: Option<CapsReport>,
 }
-
-/// Computes what is missing of a FREE's map, telling and saving it as it is told to.
-type Fill<'a> = dyn FnMut(&Run<'_>, &mut dyn FnMut(&FreeMap)) -> Result<FreeSweepReport, FreeSweepError> + 'a;
 
 /// How a sweep is run.
 pub struct Sweeping<'a> {
@@ -32,86 +32,106 @@ pub struct Sweeping<'a> {
     pub shard: Shard,
     /// Threads.
     pub jobs: usize,
-    /// Where the unfinished map is saved, and the time between two savings.
-    pub save: Option<(&'a Path, Duration)>,
+    /// Where finished points are looked for and kept.
+    pub points: Option<&'a Mutex<Points>>,
 }
 
 impl Sweeping<'_> {
-    /// All of it, on every processor, saved nowhere.
+    /// All of it, on every processor, with no points from before and none for later.
     pub fn whole() -> Self {
-        Sweeping { shard: Shard::WHOLE, jobs: processors(), save: None }
+        Sweeping { shard: Shard::WHOLE, jobs: processors(), points: None }
     }
 
-    /// Computes what is missing of a FREE's map.
-    pub fn free(&self, sweep: &FreeSweep, map: &mut FreeMap) -> Result<Swept, Failure> {
-        let report = self
-            .paths("computing paths", &mut |run, checkpoint| sweep.fill(map, self.shard, run, checkpoint))?;
-        Ok(told_of_free(&report, map))
+    fn points(&self) -> Option<MutexGuard<'_, Points>> {
+        self.points.map(|points| points.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Computes what is missing of a FREE's map by solids.
-    pub fn solid(&self, sweep: &SolidSweep, map: &mut FreeMap) -> Result<Swept, Failure> {
-        let report = self
-            .paths("computing states", &mut |run, checkpoint| sweep.fill(map, self.shard, run, checkpoint))?;
-        Ok(told_of_free(&report, map))
-    }
-
-    /// Computes what is missing of a FREE's map of sections between caps.
-    pub fn capped(&self, sweep: &CappedSweep, map: &mut FreeMap) -> Result<Swept, Failure> {
-        let mut caps = None;
-        let report = self.paths("computing end effects", &mut |run, checkpoint| {
-            let (report, done) = sweep.fill(map, self.shard, run, checkpoint)?;
-            caps = Some(done);
-            Ok(report)
-        })?;
-        Ok(Swept { caps, ..told_of_free(&report, map) })
-    }
-
-    fn paths(&self, what: &str, fill: &mut Fill<'_>) -> Result<FreeSweepReport, Failure> {
-        let bar = Progress::bar(what);
-        let told = |done, total| bar.at(done, total);
-        let run = Run { jobs: self.jobs, progress: &told, stop: interrupt::flag() };
-        let mut saver = Saver::new(self.save);
-        let mut checkpoint = |map: &FreeMap| saver.save(|| MapFile::Free(map.clone()));
-        let report = fill(&run, &mut checkpoint).map_err(Failure::file)?;
-        saver.outcome?;
-        Ok(report)
-    }
-
-    /// Computes what is missing of a module's map.
-    pub fn module(&self, sweep: &ModuleSweep, map: &mut ModuleMap) -> Result<Swept, Failure> {
-        let bar = Progress::bar("computing rows of states");
-        let told = |done, total| bar.at(done, total);
-        let run = Run { jobs: self.jobs, progress: &told, stop: interrupt::flag() };
-        let mut saver = Saver::new(self.save);
-        let mut checkpoint = |map: &ModuleMap| saver.save(|| MapFile::Module(map.clone()));
-        let report = sweep.fill(map, self.shard, &run, &mut checkpoint);
-        let report = report.map_err(|error| Failure::new(Exit::NotConverged, error))?;
-        saver.outcome?;
-        Ok(told_of_module(&report))
-    }
-}
-
-/// Saves a map now and then; the first failure to do so is kept for the end.
-struct Saver<'a> {
-    save: Option<(&'a Path, Duration)>,
-    last: Instant,
-    outcome: Result<(), Failure>,
-}
-
-impl<'a> Saver<'a> {
-    fn new(save: Option<(&'a Path, Duration)>) -> Self {
-        Saver { save, last: Instant::now(), outcome: Ok(()) }
-    }
-
-    fn save(&mut self, map: impl FnOnce() -> MapFile) {
-        if let Some((path, every)) = self.save
-            && self.outcome.is_ok()
-            && self.last.elapsed() >= every
-        {
-            self.outcome = map().write(path);
-            self.last = Instant::now();
+    /// Puts stored paths into a FREE's map. Gives how many of this part are there then.
+    pub fn recall_paths(&self, sweep: &impl PathSweep, map: &mut FreeMap) -> Result<usize, Failure> {
+        let (checks, nodes) = (sweep.check_points(map), map.paths.len());
+        let (mut there, mut points) = (0, self.points());
+        for row in (0..nodes + checks.len()).filter(|row| self.shard.owns(*row)) {
+            let (node, is_there) = match row.checked_sub(nodes) {
+                None => (map.at(&map.coordinates(row)).map_err(Failure::file)?, map.paths[row].is_some()),
+                Some(check) => (checks[check], map.checks.iter().any(|(node, _)| *node == checks[check])),
+            };
+            let key = sweep.key(map, &node).map_err(Failure::file)?;
+            let stored: Option<FreePath> = points.as_mut().and_then(|points| points.find(key, !is_there));
+            there += usize::from(is_there || stored.is_some());
+            let Some(path) = stored else { continue };
+            match map.paths.get_mut(row) {
+                Some(place) => *place = Some(path),
+                None => map.checks.push((node, path)),
+            }
         }
+        Ok(there)
+    }
+
+    /// Computes what is missing of a FREE's map and of the store.
+    pub fn paths<S: PathSweep>(&self, sweep: &S, map: &mut FreeMap) -> Result<Swept, Failure> {
+        let found = self.recall_paths(sweep, map)?;
+        let bar = Progress::bar(&format!("computing {}", S::STEPS));
+        let told = |done, total| bar.at(done, total);
+        let run = Run { jobs: self.jobs, progress: &told, stop: interrupt::flag() };
+        let empty = FreeMap { paths: vec![None; map.paths.len()], checks: vec![], ..map.clone() };
+        let mut finished = |node: &LoadedFree, path: &FreePath| {
+            if let Some(mut points) = self.points() {
+                points.keep(sweep.key(&empty, node), path);
+            }
+        };
+        let (report, caps) = sweep.fill(map, self.shard, &run, &mut finished).map_err(Failure::file)?;
+        Ok(Swept { found, computed: report.computed, failed: failed_paths(&report, map), caps })
+    }
+
+    /// Puts stored states into a module's map. Gives how many points of this part are there then.
+    pub fn recall_rows(&self, sweep: &ModuleSweep, map: &mut ModuleMap) -> Result<usize, Failure> {
+        let length = map.pressures.last().map_or(1, Vec::len);
+        let (checks, rows) = (sweep.check_pressures(map), map.states.len() / length);
+        let (mut there, mut points) = (0, self.points());
+        for row in (0..rows + checks.len()).filter(|row| self.shard.owns(*row)) {
+            let nodes = row * length..(row + 1) * length;
+            let (pressures, is_there) = match row.checked_sub(rows) {
+                None => (
+                    nodes.clone().map(|node| map.node_pressures(node)).collect(),
+                    map.states[nodes.clone()].iter().all(Option::is_some),
+                ),
+                Some(check) => (
+                    vec![checks[check].clone()],
+                    map.checks.iter().any(|there| there.pressures == checks[check]),
+                ),
+            };
+            let key = point_key::row(sweep, map, &pressures).map_err(Failure::file)?;
+            let stored: Option<Vec<ModuleState>> =
+                points.as_mut().and_then(|points| points.find(key, !is_there));
+            let stored = stored.filter(|states| states.len() == pressures.len());
+            there += usize::from(is_there || stored.is_some());
+            let Some(states) = stored else { continue };
+            for (place, (pressures, state)) in pressures.into_iter().zip(states).enumerate() {
+                match row < rows {
+                    true => map.states[nodes.start + place] = Some(state),
+                    false => map.checks.push(ModuleCheck { pressures, state }),
+                }
+            }
+        }
+        Ok(there)
+    }
+
+    /// Computes what is missing of a module's map and of the store.
+    pub fn rows(&self, sweep: &ModuleSweep, map: &mut ModuleMap) -> Result<Swept, Failure> {
+        let found = self.recall_rows(sweep, map)?;
+        let bar = Progress::bar("computing states");
+        let told = |done, total| bar.at(done, total);
+        let run = Run { jobs: self.jobs, progress: &told, stop: interrupt::flag() };
+        let (empty, mut computed) = (ModuleMap { states: vec![], checks: vec![], ..map.clone() }, 0);
+        let mut finished = |pressures: &[Vec<f64>], states: &[ModuleState]| {
+            computed += 1;
+            if let Some(mut points) = self.points() {
+                points.keep(point_key::row(sweep, &empty, pressures), &states);
+            }
+        };
+        let report = sweep.fill(map, self.shard, &run, &mut finished);
+        let report = report.map_err(|error| Failure::new(Exit::NotConverged, error))?;
+        Ok(Swept { found, computed, failed: failed_states(&report), caps: None })
     }
 }
 
@@ -124,9 +144,9 @@ pub fn place(node: &LoadedFree, map: &FreeMap) -> String {
     map.axes.iter().rev().filter_map(of).collect::<Vec<_>>().join(", ")
 }
 
-fn told_of_free(report: &FreeSweepReport, map: &FreeMap) -> Swept {
+fn failed_paths(report: &FreeSweepReport, map: &FreeMap) -> Vec<String> {
     let failed = report.failed.iter().map(|failed| format!("{}: {}", place(&failed.node, map), failed.error));
-    Swept { failed: failed.collect(), caps: None }
+    failed.collect()
 }
 
 /// Threads that this machine runs at once.
@@ -188,12 +208,12 @@ pub fn plan_module(
     planned.map_err(|error| Failure::file(error).about(&rig.path))
 }
 
-fn told_of_module(report: &ModuleSweepReport) -> Swept {
+fn failed_states(report: &ModuleSweepReport) -> Vec<String> {
     let failed = report.failed.iter().map(|failed| {
         let pressures: Vec<String> = failed.pressures.iter().map(|pressure| short(pressure / KPA)).collect();
         format!("at {} kPa: {}", pressures.join(", "), failed.error)
     });
-    Swept { failed: failed.collect(), caps: None }
+    failed.collect()
 }
 
 /// An empty map of a FREE over the given axes (SI).

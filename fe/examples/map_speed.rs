@@ -36,7 +36,7 @@ fn computed(jobs: usize) -> Result<(FreeMap, f64), Box<dyn Error>> {
     let mut map = sweep.empty_map(paper().into(), axes, pressures, Default::default())?;
     let run = Run { jobs, progress: &|_, _| {}, stop: &AtomicBool::new(false) };
     let start = Instant::now();
-    let report = sweep.fill(&mut map, Shard::WHOLE, &run, &mut |_| {})?;
+    let report = sweep.fill(&mut map, Shard::WHOLE, &run, &mut |_, _| {})?;
     let seconds = start.elapsed().as_secs_f64();
     assert!(report.failed.is_empty() && map.is_complete(), "not every path was found");
     Ok((map, seconds))

@@ -237,7 +237,7 @@ impl CappedSweep {
         map: &mut FreeMap,
         shard: Shard,
         run: &Run<'_>,
-        checkpoint: &mut dyn FnMut(&FreeMap),
+        finished: &mut (dyn FnMut(&LoadedFree, &FreePath) + Send),
     ) -> Result<(FreeSweepReport, CapsReport), FreeSweepError> {
         let check_points = self.check_points(map);
         let moduli = map.shear_moduli();
@@ -249,20 +249,14 @@ impl CappedSweep {
             report: Mutex::new(CapsReport::default()),
         };
         let steps = STEPS * self.solids(&map.node.free).len();
-        let report = free_sweep::fill(
-            map,
-            &check_points,
-            shard,
-            (run, steps),
-            checkpoint,
-            &|node, pressures, told| {
+        let report =
+            free_sweep::fill(map, &check_points, shard, (run, steps), finished, &|node, pressures, told| {
                 let section =
                     self.section.path(node, pressures).map_err(|error| Some(PathError::Section(error)))?;
                 let whole = (node, check_points.contains(node));
                 let changes = effects.along(whole, &section, pressures, &mut || told.step())?;
                 Ok(capped(section, node.free.tube.length, &changes))
-            },
-        )?;
+            })?;
         let caps = *effects.report.lock().unwrap_or_else(PoisonError::into_inner);
         Ok((report, caps))
     }

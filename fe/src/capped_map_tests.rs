@@ -112,7 +112,7 @@ fn map_of(sweep: &CappedSweep, moduli: &[f64]) -> FreeMap {
 
 fn fill(sweep: &CappedSweep, map: &mut FreeMap, shard: Shard, jobs: usize) -> (FreeSweepReport, CapsReport) {
     let run = Run { jobs, progress: &|_, _| {}, stop: &AtomicBool::new(false) };
-    sweep.fill(map, shard, &run, &mut |_| {}).unwrap()
+    sweep.fill(map, shard, &run, &mut |_, _| {}).unwrap()
 }
 
 #[test]
@@ -168,7 +168,7 @@ fn a_stop_leaves_what_is_not_finished() {
         },
         stop: &stop,
     };
-    let (report, _) = SWEEP.fill(&mut map, Shard::WHOLE, &run, &mut |_| {}).unwrap();
+    let (report, _) = SWEEP.fill(&mut map, Shard::WHOLE, &run, &mut |_, _| {}).unwrap();
     assert!(report.left > 0 && report.failed.is_empty(), "{report:?}");
     assert!(!map.is_complete());
 }

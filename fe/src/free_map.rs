@@ -95,8 +95,10 @@ impl FreeSweep {
 
     /// Computes the paths of the map (nodes, then checks) that are missing and belong to `shard`.
     ///
-    /// `checkpoint` is called with the map after each new path, from the calling thread. A stop asked for by `run` takes effect
-    /// after the paths being followed. Paths that cannot be followed are reported, and their nodes stay empty.
+    /// `finished` is told each path that was found, from the thread that found it, which then begins another: no more paths than
+    /// there are threads are begun and not told of. Progress is told in paths, those that the map held already among them. A stop
+    /// asked for by `run` takes effect after the paths being followed. Paths that cannot be followed are reported, and their nodes
+    /// stay empty.
     ///
     /// # Errors
     /// [`FreeSweepError::Shape`] where the map does not fit its own axes.
@@ -105,10 +107,10 @@ impl FreeSweep {
         map: &mut FreeMap,
         shard: Shard,
         run: &Run<'_>,
-        checkpoint: &mut dyn FnMut(&FreeMap),
+        finished: &mut (dyn FnMut(&LoadedFree, &FreePath) + Send),
     ) -> Result<FreeSweepReport, FreeSweepError> {
         let check_points = self.check_points(map);
-        free_sweep::fill(map, &check_points, shard, (run, 1), checkpoint, &|node, pressures, _| {
+        free_sweep::fill(map, &check_points, shard, (run, 1), finished, &|node, pressures, _| {
             self.path(node, pressures).map_err(|error| Some(PathError::Section(error)))
         })
     }
@@ -163,7 +165,7 @@ mod tests {
 
     fn fill(map: &mut FreeMap, shard: Shard, jobs: usize) -> FreeSweepReport {
         let run = Run { jobs, progress: &|_, _| {}, stop: &AtomicBool::new(false) };
-        SWEEP.fill(map, shard, &run, &mut |_| {}).unwrap()
+        SWEEP.fill(map, shard, &run, &mut |_, _| {}).unwrap()
     }
 
     fn whole() -> FreeMap {
@@ -229,7 +231,7 @@ mod tests {
                     the path's change, beyond the limit to 1.2 times the volume there";
         assert!(map.settings.contains(told), "{}", map.settings);
         let run = Run { jobs: 1, progress: &|_, _| {}, stop: &AtomicBool::new(false) };
-        sweep.fill(&mut map, Shard::WHOLE, &run, &mut |_| {}).unwrap();
+        sweep.fill(&mut map, Shard::WHOLE, &run, &mut |_, _| {}).unwrap();
         for path in map.paths.iter().flatten().chain(map.checks.iter().map(|(_, path)| path)) {
             assert!(path.limit_error.is_some_and(|error| error > 0.0));
             assert!(path.states.iter().all(|state| state.section.is_some() && state.mesh_error.is_some()));
@@ -244,19 +246,23 @@ mod tests {
 
     #[test]
     fn a_stop_keeps_what_is_finished() {
-        let (stop, saved, told) = (AtomicBool::new(false), Mutex::new(0), Mutex::new(Vec::new()));
+        let (stop, told) = (AtomicBool::new(false), Mutex::new(Vec::new()));
         let run =
             Run { jobs: 1, progress: &|done, total| told.lock().unwrap().push((done, total)), stop: &stop };
-        let mut map = empty();
+        let (mut map, mut saved) = (empty(), vec![]);
         let report = SWEEP
-            .fill(&mut map, Shard::WHOLE, &run, &mut |map: &FreeMap| {
-                *saved.lock().unwrap() = map.paths.iter().flatten().count();
+            .fill(&mut map, Shard::WHOLE, &run, &mut |node: &LoadedFree, path: &FreePath| {
+                saved.push((*node, path.clone()));
                 stop.store(true, Ordering::Relaxed);
             })
             .unwrap();
-        assert!(report.left > 0 && report.computed + report.left == 9, "{report:?}");
-        assert_eq!(*saved.lock().unwrap(), report.computed);
-        assert_eq!(told.lock().unwrap()[0], (1, 9));
+        assert_eq!((report.computed, report.left), (1, 8));
+        assert_eq!(saved, [(map.at(&map.coordinates(0)).unwrap(), map.paths[0].clone().unwrap())]);
+        assert_eq!(std::mem::take(&mut *told.lock().unwrap()), [(0, 9), (1, 9)]);
+        // What is there already counts.
+        stop.store(false, Ordering::Relaxed);
+        SWEEP.fill(&mut map, Shard::WHOLE, &run, &mut |_, _| stop.store(true, Ordering::Relaxed)).unwrap();
+        assert_eq!(*told.lock().unwrap(), [(1, 9), (2, 9)]);
     }
 
     #[test]

@@ -6,8 +6,8 @@ use actuator::{
     units::{DEG, KPA, MPA},
 };
 use std::sync::{
+    Mutex, PoisonError,
     atomic::{AtomicUsize, Ordering},
-    mpsc,
 };
 
 /// Why a sweep cannot be begun.
@@ -219,6 +219,9 @@ impl Told<'_> {
 type FindPath<'a> =
     dyn Fn(&LoadedFree, &[f64], &mut Told<'_>) -> Result<FreePath, Option<PathError>> + Sync + 'a;
 
+/// Told of each path that was found, in whatever order they are. A thread begins its next path when this has returned.
+pub(crate) type Finished<'a> = dyn FnMut(&LoadedFree, &FreePath) + Send + 'a;
+
 /// Computes the paths of the map (nodes, then checks) that are missing and belong to `shard`, each by `path` in at most
 /// `steps_a_path` steps that it tells of. A path that ends in `Err(None)` was stopped on the way.
 pub(crate) fn fill(
@@ -226,7 +229,7 @@ pub(crate) fn fill(
     check_points: &[LoadedFree],
     shard: Shard,
     (run, steps_a_path): (&Run<'_>, usize),
-    checkpoint: &mut dyn FnMut(&FreeMap),
+    finished: &mut Finished<'_>,
     path: &FindPath<'_>,
 ) -> Result<FreeSweepReport, FreeSweepError> {
     let expected = map.node_count();
@@ -237,62 +240,109 @@ pub(crate) fn fill(
         None => map.paths[row].is_some(),
         Some(check) => map.checks.iter().any(|(node, _)| *node == check_points[check]),
     };
-    let rows: Vec<(usize, LoadedFree)> = (0..expected + check_points.len())
-        .filter(|row| shard.owns(*row) && !is_done(*row))
-        .map(|row| match row.checked_sub(expected) {
+    let own: Vec<usize> = (0..expected + check_points.len()).filter(|row| shard.owns(*row)).collect();
+    let rows: Vec<(usize, LoadedFree)> = own
+        .iter()
+        .filter(|row| !is_done(**row))
+        .map(|&row| match row.checked_sub(expected) {
             None => Ok((row, map.at(&map.coordinates(row))?)),
             Some(check) => Ok((row, check_points[check])),
         })
         .collect::<Result<_, ParameterError>>()?;
 
+    let (steps, already) = (steps_a_path * own.len(), steps_a_path * (own.len() - rows.len()));
+    (run.progress)(already, steps);
     let pressures = map.pressures.clone();
-    let (next, steps_done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let (sender, receiver) = mpsc::channel::<(usize, LoadedFree, Result<FreePath, PathError>)>();
-    let mut report = FreeSweepReport::default();
+    let (next, steps_done) = (AtomicUsize::new(0), AtomicUsize::new(already));
+    let results = Mutex::new((map, FreeSweepReport { left: rows.len(), ..Default::default() }, finished));
     std::thread::scope(|scope| {
         for _ in 0..run.jobs.clamp(1, rows.len().max(1)) {
-            let (sender, next, rows, pressures, steps_done) =
-                (sender.clone(), &next, &rows, &pressures, &steps_done);
-            scope.spawn(move || {
+            scope.spawn(|| {
                 while !run.is_stopped() {
-                    let Some(&(row, node)) = rows.get(next.fetch_add(1, Ordering::Relaxed)) else {
+                    let Some((row, node)) = rows.get(next.fetch_add(1, Ordering::Relaxed)) else {
                         break;
                     };
-                    let steps = steps_a_path * rows.len();
-                    let mut told = Told { run, steps_done, steps, own: 0, most: steps_a_path };
-                    let path = match path(&node, pressures, &mut told) {
+                    let mut told = Told { run, steps_done: &steps_done, steps, own: 0, most: steps_a_path };
+                    let path = path(node, &pressures, &mut told);
+                    let mut results = results.lock().unwrap_or_else(PoisonError::into_inner);
+                    let (map, report, finished) = &mut *results;
+                    match path {
                         Err(None) => break,
-                        Err(Some(error)) => Err(error),
-                        Ok(path) => Ok(path),
-                    };
-                    // The receiver outlives the scope; were it gone, there would be nobody to compute for.
-                    if sender.send((row, node, path)).is_err() {
-                        break;
+                        Err(Some(error)) => report.failed.push(FailedPath { node: *node, error }),
+                        Ok(path) => {
+                            finished(node, &path);
+                            report.computed += 1;
+                            match map.paths.get_mut(*row) {
+                                Some(place) => *place = Some(path),
+                                None => map.checks.push((*node, path)),
+                            }
+                        }
                     }
+                    report.left -= 1;
+                    drop(results);
                     told.finish();
                 }
             });
         }
-        drop(sender);
-        let mut done = 0;
-        for (row, node, path) in &receiver {
-            done += 1;
-            match path {
-                Ok(path) => {
-                    report.computed += 1;
-                    match map.paths.get_mut(row) {
-                        Some(place) => *place = Some(path),
-                        None => map.checks.push((node, path)),
-                    }
-                    checkpoint(map);
-                }
-                Err(error) => report.failed.push(FailedPath { node, error }),
-            }
-        }
-        report.left = rows.len() - done;
     });
+    let (map, report, _) = results.into_inner().unwrap_or_else(PoisonError::into_inner);
     // In the order of the points, whichever thread was first.
     let place = |node: &LoadedFree| check_points.iter().position(|point| point == node);
     map.checks.sort_by_key(|(node, _)| place(node));
     Ok(report)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use actuator::{FreeState, PathEnd};
+    use std::{collections::HashSet, sync::atomic::AtomicBool};
+
+    /// A path made of nothing, for what does not depend on how it is found.
+    fn made_up(node: &LoadedFree) -> FreePath {
+        let state = FreeState {
+            pressure: 0.0,
+            axial_stretch: node.free.winding.angle_from_hoop(),
+            expansion: 1.0,
+            twist_per_length: 0.0,
+            residual: 0.0,
+            middle: None,
+            section: None,
+            mesh_error: None,
+        };
+        FreePath::solved(vec![state], PathEnd::Range)
+    }
+
+    #[test]
+    fn a_thread_begins_no_path_before_its_last_one_was_told_of() {
+        let angles = (20..80).map(|degrees| f64::from(degrees) * DEG).collect();
+        let axes = MapAxis::of_angles_and_moduli(angles, vec![0.4e6]);
+        let made_by = (Fidelity::Section, String::new());
+        let free = crate::section::tests::free(30.0).into();
+        let mut map = empty_map(free, axes, vec![0.0], made_by, Default::default(), &|_| Ok(())).unwrap();
+        const JOBS: usize = 3;
+        let (begun, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let run = Run { jobs: JOBS, progress: &|_, _| {}, stop: &stop };
+        let mut told = HashSet::new();
+        let report = fill(
+            &mut map,
+            &[],
+            Shard::WHOLE,
+            (&run, 1),
+            &mut |node, path| {
+                assert_eq!(*path, made_up(node));
+                told.insert(node.free.winding.angle_from_hoop().to_bits());
+                // Time for the others to run ahead, if they did.
+                std::thread::sleep(std::time::Duration::from_micros(300));
+                let begun = begun.load(Ordering::SeqCst);
+                assert!(begun < told.len() + JOBS, "{begun} begun, {} told of", told.len());
+            },
+            &|node, _, _| {
+                begun.fetch_add(1, Ordering::SeqCst);
+                Ok(made_up(node))
+            },
+        );
+        assert_eq!((report.unwrap().computed, told.len()), (60, 60));
+        assert!(map.is_complete());
+    }
 }

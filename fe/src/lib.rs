@@ -8,6 +8,7 @@ mod free_sweep;
 mod jet;
 pub mod material;
 mod module_map;
+mod numerics;
 mod rod;
 mod run;
 mod section;
@@ -22,6 +23,7 @@ pub use end_effect::{EndChange, EndEffect, PressureUnit};
 pub use free_map::FreeSweep;
 pub use free_sweep::{FailedPath, FreeSweepError, FreeSweepReport, PathError};
 pub use module_map::{FailedState, ModuleSweep, ModuleSweepError, ModuleSweepReport};
+pub use numerics::NUMERICS;
 pub use rod::{
     Configuration, Equilibrium, RodError, RodModule, RodSettings, SectionTable, TableError, TableGrid,
     TipLoad,

@@ -8,9 +8,8 @@ use actuator::{
 };
 use std::f64::consts::TAU;
 use std::sync::{
-    Arc,
+    Arc, Mutex, PoisonError,
     atomic::{AtomicUsize, Ordering},
-    mpsc,
 };
 
 /// How the map of a module is computed: rods with section laws tabulated from the section's finite elements.
@@ -100,6 +99,9 @@ pub struct ModuleSweepReport {
     /// States that were not found.
     pub failed: Vec<FailedState>,
 }
+
+/// Told of each row, or check, all of whose states were found: their pressures (Pa), and the states.
+type FinishedRow<'a> = dyn FnMut(&[Vec<f64>], &[ModuleState]) + Send + 'a;
 
 /// What a FREE's section depends on: neither its length nor, but for the mirror, its hand. Its threads are spread over all of the
 /// surface: in a FREE that others turn against its own sense under pressure they are pulled tight, and narrow ones cut into the
@@ -252,8 +254,10 @@ impl ModuleSweep {
 
     /// Computes the states of the map (rows of nodes, then checks) that are missing and belong to `shard`.
     ///
-    /// `checkpoint` is called with the map after each row, from the calling thread; `run.progress` counts rows. A stop asked
-    /// for by `run` takes effect after the rows being followed. States that are not found are reported and stay empty.
+    /// `finished` is told each row all of whose states were found, pressures (Pa) and states, from the thread that found them,
+    /// which then begins another: no more rows than there are threads are begun and not told of. `run.progress` counts states,
+    /// those that the map held already among them. A stop asked for by `run` takes effect after the rows being followed. States
+    /// that are not found are reported and stay empty.
     ///
     /// # Errors
     /// [`ModuleSweepError`] where the map does not fit its own axes or its sections cannot be solved.
@@ -262,7 +266,7 @@ impl ModuleSweep {
         map: &mut ModuleMap,
         shard: Shard,
         run: &Run<'_>,
-        checkpoint: &mut dyn FnMut(&ModuleMap),
+        finished: &mut FinishedRow<'_>,
     ) -> Result<ModuleSweepReport, ModuleSweepError> {
         check_axes(&map.module, &map.pressures)?;
         let expected = map.node_count();
@@ -275,20 +279,17 @@ impl ModuleSweep {
             None => Line::Nodes { first: row * length, length },
             Some(check) => Line::Check(checks[check].clone()),
         };
-        let lines: Vec<Line> = (0..expected / length + checks.len())
-            .filter(|row| shard.owns(*row))
-            .map(line_of)
-            .filter(|line| line.is_missing(map))
-            .collect();
-        let mut report = ModuleSweepReport::default();
+        let own = (0..expected / length + checks.len()).filter(|row| shard.owns(*row)).map(line_of);
+        let (lines, there): (Vec<Line>, Vec<Line>) = own.partition(|line| line.is_missing(map));
+        let states = |lines: &[Line]| lines.iter().map(Line::states).sum::<usize>();
+        let (already, all) = (states(&there), states(&there) + states(&lines));
+        (run.progress)(already, all);
+        let mut report = ModuleSweepReport { rows_left: lines.len(), ..Default::default() };
         if lines.is_empty() {
             return Ok(report);
         }
         let laws = match self.section_laws(&map.module, &map.pressures, run) {
-            Err(ModuleSweepError::Table { source: TableError::Stopped, .. }) => {
-                report.rows_left = lines.len();
-                return Ok(report);
-            }
+            Err(ModuleSweepError::Table { source: TableError::Stopped, .. }) => return Ok(report),
             laws => laws?.into_iter().map(|law| law as Arc<dyn SectionLaw>).collect(),
         };
         let rods = RodModule::new(&map.module, laws, self.rods)?;
@@ -298,40 +299,35 @@ impl ModuleSweep {
         let loaded = RodModule::new(&loaded, rods.laws(), self.rods)?;
 
         let next = AtomicUsize::new(0);
-        let (sender, receiver) = mpsc::channel::<(usize, Vec<(Vec<f64>, Result<ModuleState, RodError>)>)>();
         let wanted: Vec<Vec<Vec<f64>>> = lines.iter().map(|line| line.pressures(map)).collect();
+        let results = Mutex::new((&mut *map, &mut report, already, finished));
         std::thread::scope(|scope| {
             for _ in 0..run.jobs.clamp(1, lines.len()) {
-                let (sender, next, wanted, rods, loaded, rest) =
-                    (sender.clone(), &next, &wanted, &rods, &loaded, &rest);
-                scope.spawn(move || {
+                scope.spawn(|| {
                     while !run.is_stopped() {
                         let index = next.fetch_add(1, Ordering::Relaxed);
-                        let Some(line) = wanted.get(index) else { break };
+                        let (Some(line), Some(pressures)) = (lines.get(index), wanted.get(index)) else {
+                            break;
+                        };
                         let mut last = rest.clone();
                         let follow = |pressures: &Vec<f64>| {
-                            let found = rods.solve_from(&last, pressures).and_then(|found| {
-                                last = found;
-                                with_payload_curvature(&last, loaded)
-                            });
-                            (pressures.clone(), found)
+                            last = rods.solve_from(&last, pressures)?;
+                            with_payload_curvature(&last, &loaded)
                         };
-                        // The receiver outlives the scope; were it gone, there would be nobody to compute for.
-                        if sender.send((index, line.iter().map(follow).collect())).is_err() {
-                            break;
+                        let found: Vec<Result<ModuleState, RodError>> =
+                            pressures.iter().map(follow).collect();
+                        let mut results = results.lock().unwrap_or_else(PoisonError::into_inner);
+                        let (map, report, done, finished) = &mut *results;
+                        if let Ok(states) = found.iter().map(Result::as_ref).collect::<Result<Vec<_>, _>>() {
+                            finished(pressures, &states.into_iter().cloned().collect::<Vec<_>>());
                         }
+                        line.store(pressures, found, map, report);
+                        report.rows_left -= 1;
+                        *done += line.states();
+                        (run.progress)(*done, all);
                     }
                 });
             }
-            drop(sender);
-            let mut done = 0;
-            for (index, found) in &receiver {
-                done += 1;
-                lines[index].store(found, map, &mut report);
-                checkpoint(map);
-                (run.progress)(done, lines.len());
-            }
-            report.rows_left = lines.len() - done;
         });
         // In the order of the points, whichever thread was first.
         map.checks.sort_by_key(|check| checks.iter().position(|pressures| *pressures == check.pressures));
@@ -362,13 +358,22 @@ impl Line {
         }
     }
 
+    fn states(&self) -> usize {
+        match self {
+            Line::Nodes { length, .. } => *length,
+            Line::Check(_) => 1,
+        }
+    }
+
     fn store(
         &self,
-        found: Vec<(Vec<f64>, Result<ModuleState, RodError>)>,
+        pressures: &[Vec<f64>],
+        found: Vec<Result<ModuleState, RodError>>,
         map: &mut ModuleMap,
         report: &mut ModuleSweepReport,
     ) {
-        for (place, (pressures, state)) in found.into_iter().enumerate() {
+        for (place, (pressures, state)) in pressures.iter().zip(found).enumerate() {
+            let pressures = pressures.clone();
             let state = match state {
                 Ok(state) => state,
                 Err(error) => {

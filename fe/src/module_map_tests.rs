@@ -1,7 +1,7 @@
 use super::*;
 use crate::TipLoad;
 use actuator::{Base, Elastomer, Fibre, FibreLaw, OgdenForm, PlacedFree, Tip, Tube, Winding};
-use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, atomic::AtomicBool};
 
 /// Two FREEs of both hands side by side, hanging; the section is the same.
 fn pair() -> Module {
@@ -41,7 +41,7 @@ fn empty(sweep: &ModuleSweep) -> ModuleMap {
 fn fill(map: &mut ModuleMap, shard: Shard, jobs: usize) -> ModuleSweepReport {
     let stop = AtomicBool::new(false);
     let run = Run { jobs, progress: &|_, _| (), stop: &stop };
-    sweep().fill(map, shard, &run, &mut |_| ()).unwrap()
+    sweep().fill(map, shard, &run, &mut |_, _| ()).unwrap()
 }
 
 #[test]
@@ -91,20 +91,30 @@ fn states_are_those_of_the_module_and_carry_its_slopes() {
 fn stopping_keeps_what_is_done_and_leaves_the_rest() {
     let mut map = empty(&sweep());
     let stop = AtomicBool::new(false);
-    let run = Run { jobs: 1, progress: &|_, _| stop.store(true, Ordering::Relaxed), stop: &stop };
-    let mut saved = 0;
-    let report = sweep().fill(&mut map, Shard::WHOLE, &run, &mut |_| saved += 1).unwrap();
-    // How many rows the thread finished before it saw the stop is a matter of luck; that none is lost or half done is not.
-    let rows = map.states.chunks(3);
-    assert!(rows.clone().all(|row| row.iter().flatten().count() % 3 == 0));
-    let missing = rows.filter(|row| row[0].is_none()).count() + 3 - map.checks.len();
-    assert_eq!(report.rows_left, missing);
-    assert!(report.computed >= 3 && saved >= 1, "{report:?}");
+    let told = Mutex::new(vec![]);
+    let tell = |done, all| {
+        told.lock().unwrap().push((done, all));
+        stop.store(done == 3, Ordering::Relaxed);
+    };
+    let run = Run { jobs: 1, progress: &tell, stop: &stop };
+    let mut saved = vec![];
+    let mut save = |pressures: &[Vec<f64>], states: &[ModuleState]| {
+        saved.push((pressures.to_vec(), states.to_vec()));
+    };
+    let report = sweep().fill(&mut map, Shard::WHOLE, &run, &mut save).unwrap();
+    assert_eq!((report.computed, report.rows_left), (3, 5));
+    let row: Vec<ModuleState> = map.states.iter().flatten().cloned().collect();
+    assert_eq!(saved, [((0..3).map(|node| map.node_pressures(node)).collect(), row)]);
     assert_eq!(fill(&mut map, Shard::WHOLE, 2).rows_left, 0);
     assert!(map.is_complete() && map.checks.len() == 3);
+    // Nine states and three checks; what is there already counts.
+    map.checks.pop();
+    stop.store(false, Ordering::Relaxed);
+    sweep().fill(&mut map, Shard::WHOLE, &run, &mut |_, _| ()).unwrap();
+    assert_eq!(*told.lock().unwrap(), [(0, 12), (3, 12), (11, 12), (12, 12)]);
     let early = AtomicBool::new(true);
     let run = Run { jobs: 1, progress: &|_, _| (), stop: &early };
-    let report = sweep().fill(&mut empty(&sweep()), Shard::WHOLE, &run, &mut |_| ()).unwrap();
+    let report = sweep().fill(&mut empty(&sweep()), Shard::WHOLE, &run, &mut |_, _| ()).unwrap();
     assert_eq!((report.computed, report.rows_left), (0, 6));
 }
 
@@ -122,7 +132,7 @@ fn a_map_beyond_the_limit_is_left_empty_there_and_says_so() {
     assert!(limit < 8e4, "{limit}");
     let stop = AtomicBool::new(false);
     let run = Run { jobs: 2, progress: &|_, _| (), stop: &stop };
-    let report = sweep.fill(&mut map, Shard::WHOLE, &run, &mut |_| ()).unwrap();
+    let report = sweep.fill(&mut map, Shard::WHOLE, &run, &mut |_, _| ()).unwrap();
     assert!(map.states[0].is_some() && map.states[4].is_some());
     assert!(map.states[8].is_none() && report.failed.iter().any(|failed| failed.pressures == [8e4, 8e4]));
     assert_eq!(report.computed + report.failed.len(), 9);
@@ -146,7 +156,7 @@ fn axes_and_shapes_are_checked() {
     let stop = AtomicBool::new(false);
     let run = Run { jobs: 1, progress: &|_, _| (), stop: &stop };
     assert!(matches!(
-        sweep().fill(&mut map, Shard::WHOLE, &run, &mut |_| ()),
+        sweep().fill(&mut map, Shard::WHOLE, &run, &mut |_, _| ()),
         Err(ModuleSweepError::Shape { expected: 9, found: 8 })
     ));
 }

@@ -164,11 +164,11 @@ impl SolidSweep {
         map: &mut FreeMap,
         shard: Shard,
         run: &Run<'_>,
-        checkpoint: &mut dyn FnMut(&FreeMap),
+        finished: &mut (dyn FnMut(&LoadedFree, &FreePath) + Send),
     ) -> Result<FreeSweepReport, FreeSweepError> {
         let check_points = self.check_points(map);
         let steps = map.pressures.len();
-        free_sweep::fill(map, &check_points, shard, (run, steps), checkpoint, &|node, pressures, told| {
+        free_sweep::fill(map, &check_points, shard, (run, steps), finished, &|node, pressures, told| {
             self.path(node, pressures, &mut || told.step()).map_err(|error| match error {
                 SolidError::Stopped => None,
                 error => Some(PathError::Solid(error)),
@@ -347,15 +347,15 @@ mod tests {
         assert!(whole.settings.contains("1 x 12 x 10") && whole.pressures.len() == 3);
         let tell = |done, of| told.lock().unwrap().push((done, of));
         let run = |jobs| Run { jobs, progress: &tell, stop: &stop };
-        let report = sweep.fill(&mut whole, Shard::WHOLE, &run(2), &mut |_| {}).unwrap();
+        let report = sweep.fill(&mut whole, Shard::WHOLE, &run(2), &mut |_, _| {}).unwrap();
         assert_eq!((report.computed, report.left, report.failed.len()), (3, 0, 0));
         let mut steps = std::mem::take(&mut *told.lock().unwrap());
         steps.sort_unstable();
-        assert_eq!(steps, (1..=9).map(|done| (done, 9)).collect::<Vec<_>>());
+        assert_eq!(steps, (0..=9).map(|done| (done, 9)).collect::<Vec<_>>());
 
         let mut parts = empty();
         for index in 0..2 {
-            sweep.fill(&mut parts, Shard { index, count: 2 }, &run(1), &mut |_| {}).unwrap();
+            sweep.fill(&mut parts, Shard { index, count: 2 }, &run(1), &mut |_, _| {}).unwrap();
         }
         assert_eq!(parts, whole);
 
@@ -363,11 +363,11 @@ mod tests {
         let stopping =
             Run { jobs: 1, progress: &|done, _| stop.store(done >= 4, Ordering::Relaxed), stop: &stop };
         let mut part = empty();
-        let report = sweep.fill(&mut part, Shard::WHOLE, &stopping, &mut |_| {}).unwrap();
+        let report = sweep.fill(&mut part, Shard::WHOLE, &stopping, &mut |_, _| {}).unwrap();
         assert_eq!((report.computed, report.left, report.failed.len()), (1, 2, 0));
         assert_eq!(part.paths[0], whole.paths[0]);
         stop.store(false, Ordering::Relaxed);
-        sweep.fill(&mut part, Shard::WHOLE, &run(2), &mut |_| {}).unwrap();
+        sweep.fill(&mut part, Shard::WHOLE, &run(2), &mut |_, _| {}).unwrap();
         assert_eq!(part, whole);
     }
 

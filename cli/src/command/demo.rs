@@ -138,7 +138,7 @@ fn free_map(path: &Path) -> Result<String, Failure> {
     let pressures = (0..=14).map(|i| f64::from(i) * 5.0 * KPA).collect();
     let axes = MapAxis::of_angles_and_moduli(angles, moduli);
     let mut map = sweep::plan_free(&sweep, &rig, axes, pressures)?;
-    Sweeping::whole().free(&sweep, &mut map)?;
+    Sweeping::whole().paths(&sweep, &mut map)?;
     let states: usize = map.paths.iter().flatten().map(|path| path.states.len()).sum();
     let limit = |i: usize| {
         map.path(i, 1).and_then(|path| path.limit_pressure()).map_or("none".into(), |p| short(p / KPA))
@@ -177,7 +177,7 @@ fn module_map(rig: &Rig, path: &Path) -> Result<String, Failure> {
     };
     let sweep = ModuleSweep { checks: 20, ..ModuleSweep::default() };
     let mut map = sweep::plan_module(rig, module, &vec![GREATEST; module.frees.len()], NODES, &sweep)?;
-    let swept = Sweeping::whole().module(&sweep, &mut map)?;
+    let swept = Sweeping::whole().rows(&sweep, &mut map)?;
     if let Some(failed) = swept.failed.first() {
         return Err(Failure::new(Exit::NotConverged, format!("the module's map: {failed}")));
     }

@@ -1,24 +1,23 @@
 use crate::{
     axis::Axis,
     content::Content,
+    elements::Elements,
     exit::Exit,
     failure::{Failure, Outcome},
     interrupt,
+    lasting::Lasting,
     map_file::MapFile,
     output,
     part::Part,
-    sweep::{self, Sweeping, Swept},
+    plan::Plan,
+    sweep::{self, Swept},
     table::{duration, short},
     values::Values,
 };
-use actuator::{Description, FreeMap, FreeParameter, MapAxis, Module, ModuleMap, Rig, units::KPA};
+use actuator::{Description, FreeParameter, MapAxis, Module, Rig, units::KPA};
 use fe::{CappedSweep, FreeSweep, FreeSweepError, ModuleSweep, PathError, SolidError, SolidSweep};
 use serde_json::json;
-use std::{
-    io::{IsTerminal, stderr},
-    path::PathBuf,
-    time::{Duration, Instant},
-};
+use std::{path::PathBuf, time::Instant};
 
 /// Compute a pressure-to-deformation map by finite elements
 ///
@@ -32,8 +31,8 @@ use std::{
 /// --caps corrects the sections for rigid caps at the FREE's length by the end extension and end twist of a few solids: states are then
 /// from cap to cap as a solid's are. Their limit pressure stays the section's; that of a FREE between caps is higher.
 ///
-/// Ctrl-C keeps what is finished; --resume goes on from there. --shard computes a part, for several machines; `freeact merge`
-/// joins the parts.
+/// Finished points are kept as they come in M.map.points, until the map is there: after Ctrl-C or a kill, --resume goes on from
+/// them. --shard computes a part, for several machines; `freeact merge` joins the parts.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   freeact map --of data/actuators/buffinton-2020.toml --out paper.map --winding-angles 10:80:10 --shear-moduli-mpa 0.2,0.393,0.6
@@ -41,7 +40,8 @@ use std::{
   freeact map --of data/actuators/buffinton-2020.toml --out capped.map --caps --winding-angles 20:60:10
   freeact map --of data/actuators/buffinton-2020.toml --out walls.map --axis wall_mm=0.6:1.0:0.1 --axis fibres=4,6,8
   freeact map --of data/modules/buffinton-2020-30lr.toml --out module.map --nodes 7
-  freeact map --of data/modules/buffinton-2020-30lr.toml --out part.1.map --shard 1/4")]
+  freeact map --of data/modules/buffinton-2020-30lr.toml --out part.1.map --shard 1/4
+  freeact map --of data/actuators/buffinton-2020.toml --out finer.map --store lab/points --winding-angles 10:80:5")]
 pub struct Map {
     /// Description of a FREE or a module
     #[arg(long, value_name = "FREE_OR_MODULE.toml")]
@@ -104,7 +104,7 @@ pub struct Map {
 
     /// Elements of a solid, or of the solids that --caps takes, 18 outer radii long, through the wall, around and along the tube (default: 2, four for each fibre, and as many along as keep
     /// them well shaped)
-    #[arg(long, value_name = "RADIAL,AROUND,ALONG", value_parser = elements)]
+    #[arg(long, value_name = "RADIAL,AROUND,ALONG")]
     elements: Option<Elements>,
 
     /// Compute part i of n only, counted from 1
@@ -115,13 +115,14 @@ pub struct Map {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=4096))]
     jobs: Option<u64>,
 
-    /// Time between two savings of the unfinished map; 0: after each path or row
-    #[arg(long, value_name = "S", value_parser = seconds, default_value = "3", allow_hyphen_values = true)]
-    save_every_s: Duration,
-
-    /// Complete the map that is in --out already
+    /// Complete what an earlier run with this --out has left
     #[arg(long)]
     resume: bool,
+
+    /// Keep finished points in this folder for good and take those that are there, whichever map they were computed for; several
+    /// runs may share it at once (default: the name of --out and .points, until the map is complete)
+    #[arg(long, value_name = "DIR")]
+    store: Option<PathBuf>,
 }
 
 /// What computes the states.
@@ -133,20 +134,6 @@ enum Fidelity {
     Solid,
     /// Rods that bend, stretch and twist between rigid plates
     Rod,
-}
-
-/// Elements of a solid through the wall, around and along.
-type Elements = [u32; 3];
-
-fn elements(text: &str) -> Result<Elements, String> {
-    let numbers: Option<Vec<u32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[radial @ 1..=100, around @ 1..=10_000, along @ 1..=100_000]) => Ok([radial, around, along]),
-        _ => {
-            Err("write three whole numbers, through the wall (1 to 100), around and along, as in 1,12,90"
-                .into())
-        }
-    }
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -166,11 +153,6 @@ fn ratio(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "must be a multiple of the volume above 1 and up to 20, as in 1.5".into())
 }
 
-fn seconds(text: &str) -> Result<Duration, String> {
-    let number = text.parse::<f64>().ok().and_then(|number| Duration::try_from_secs_f64(number).ok());
-    number.ok_or_else(|| "must be a number of seconds, zero or more".into())
-}
-
 fn positive_list(text: &str) -> Result<Values, String> {
     let values: Values = text.parse()?;
     match values.0.iter().find(|value| **value <= 0.0) {
@@ -187,46 +169,14 @@ fn winding_angles(text: &str) -> Result<Values, String> {
     }
 }
 
-/// A map with nothing computed, and what computes it.
-enum Plan {
-    Free(FreeSweep, FreeMap),
-    Capped(CappedSweep, FreeMap),
-    Solid(SolidSweep, FreeMap),
-    Module(ModuleSweep, ModuleMap),
-}
-
 impl Map {
     pub fn run(self, json: bool) -> Outcome {
         let rig = Rig::read(&self.of)?;
         let plan = self.plan(&rig)?;
         let start = Instant::now();
         let jobs = self.jobs.map_or_else(sweep::processors, |jobs| jobs as usize);
-        let sweeping = Sweeping { shard: self.shard.0, jobs, save: Some((&self.out, self.save_every_s)) };
-        let (mut map, swept) = match plan {
-            Plan::Free(sweep, mut map) => {
-                map = self.resumed(MapFile::Free(map))?.into_free()?;
-                let swept = sweeping.free(&sweep, &mut map)?;
-                (MapFile::Free(map), swept)
-            }
-            Plan::Capped(sweep, mut map) => {
-                map = self.resumed(MapFile::Free(map))?.into_free()?;
-                let swept = sweeping.capped(&sweep, &mut map)?;
-                (MapFile::Free(map), swept)
-            }
-            Plan::Solid(sweep, mut map) => {
-                map = self.resumed(MapFile::Free(map))?.into_free()?;
-                announce(&sweep, &map);
-                let swept = sweeping.solid(&sweep, &mut map)?;
-                (MapFile::Free(map), swept)
-            }
-            Plan::Module(sweep, mut map) => {
-                map = self.resumed(MapFile::Module(map))?.into_module()?;
-                let swept = sweeping.module(&sweep, &mut map)?;
-                (MapFile::Module(map), swept)
-            }
-        };
-        map.sort_checks();
-        map.write(&self.out)?;
+        let lasting = Lasting { out: &self.out, store: self.store.as_deref(), resume: self.resume };
+        let (map, swept) = lasting.complete(plan, self.shard.0, jobs)?;
         self.tell(&map, &swept, start.elapsed().as_secs_f64(), json);
         Ok(match map.computed() {
             _ if interrupt::is_asked() => Exit::Interrupted,
@@ -291,12 +241,12 @@ impl Map {
         };
         sweep.checks = self.checks.unwrap_or(sweep.checks);
         let map = sweep::plan_free(&sweep, rig, self.axes()?, self.pressures(1.0)?)?;
-        Ok(Plan::Free(sweep, map))
+        Ok(Plan::Section(sweep, map))
     }
 
     fn plan_capped(&self, rig: &Rig) -> Result<Plan, Failure> {
         let mut sweep = CappedSweep::default();
-        (sweep.solid.elements, sweep.section.seed) = (self.elements, self.seed);
+        (sweep.solid.elements, sweep.section.seed) = (self.elements.map(|elements| elements.0), self.seed);
         sweep.section.checks = self.checks.unwrap_or(sweep.section.checks);
         let source = (rig.name.clone(), rig.text.clone());
         let planned = sweep.empty_map(rig.frees()[0].into(), self.axes()?, self.pressures(1.0)?, source);
@@ -304,7 +254,11 @@ impl Map {
     }
 
     fn plan_solid(&self, rig: &Rig) -> Result<Plan, Failure> {
-        let mut sweep = SolidSweep { elements: self.elements, seed: self.seed, ..SolidSweep::default() };
+        let mut sweep = SolidSweep {
+            elements: self.elements.map(|elements| elements.0),
+            seed: self.seed,
+            ..SolidSweep::default()
+        };
         sweep.checks = self.checks.unwrap_or(sweep.checks);
         let source = (rig.name.clone(), rig.text.clone());
         let planned = sweep.empty_map(rig.frees()[0].into(), self.axes()?, self.pressures(5.0)?, source);
@@ -366,47 +320,14 @@ impl Map {
         Ok(Plan::Module(sweep, map))
     }
 
-    /// The map with what an earlier run has left.
-    fn resumed(&self, mut map: MapFile) -> Result<MapFile, Failure> {
-        let out = self.out.display();
-        if !self.out.exists() {
-            return match self.resume {
-                true => Err(Failure::refused(format!(
-                    "{out}: there is no map to resume; leave out --resume to begin one"
-                ))),
-                false => Ok(map),
-            };
-        }
-        if !self.resume {
-            // An unfinished map of this very sweep may hold hours of work; anything else is replaced, as everywhere.
-            return match MapFile::read(&self.out) {
-                Ok(earlier)
-                    if map.difference(&earlier).is_none() && earlier.computed().0 < earlier.computed().1 =>
-                {
-                    let (computed, nodes) = earlier.computed();
-                    Err(Failure::refused(format!(
-                        "{out} holds {computed} of {nodes} nodes of this sweep; give --resume to complete it, or remove it"
-                    )))
-                }
-                _ => Ok(map),
-            };
-        }
-        let earlier = MapFile::read(&self.out)?;
-        if let Some(what) = map.difference(&earlier) {
-            return Err(Failure::refused(format!(
-                "{out} is a map of another sweep: {what} differ; give the settings it was begun with, or another --out"
-            )));
-        }
-        map.absorb(earlier).map_err(Failure::refused)?;
-        Ok(map)
-    }
-
     fn tell(&self, map: &MapFile, swept: &Swept, seconds: f64, json: bool) {
         let (computed, nodes) = map.computed();
         if json {
             let mut value = map.json();
             value["out"] = json!(self.out);
             value["seconds"] = json!(seconds);
+            value["points_found"] = json!(swept.found);
+            value["points_computed"] = json!(swept.computed);
             value["failed"] = json!(swept.failed);
             if let Some(caps) = swept.caps {
                 value["end_effects"] =
@@ -420,8 +341,13 @@ impl Map {
             missing if self.shard.0 != fe::Shard::WHOLE => format!(", {missing} left to the other parts"),
             missing => format!(", {missing} did not converge"),
         };
+        let before = match (swept.found, &map) {
+            (0, _) => String::new(),
+            (found, MapFile::Free(_)) => format!(" ({found} paths were there before)"),
+            (found, MapFile::Module(_)) => format!(" ({found} rows were there before)"),
+        };
         output::print(&format!(
-            "{}\n  {computed} of {nodes} nodes in {}{missing}; worst residual {} (relative)\n",
+            "{}\n  {computed} of {nodes} nodes in {}{before}{missing}; worst residual {} (relative)\n",
             map.text(&self.out),
             duration(seconds),
             short(map.worst_residual())
@@ -442,36 +368,9 @@ impl Map {
     }
 }
 
-/// Tells what a long run is about to compute, where someone is watching.
-fn announce(sweep: &SolidSweep, map: &FreeMap) {
-    if !stderr().is_terminal() {
-        return;
-    }
-    let unknowns = map.winding_angles().iter().filter_map(|angle| {
-        let node = map.node.free.at(*angle, map.shear_moduli()[0]);
-        Some(sweep.solver(&node).ok()?.unknowns())
-    });
-    eprintln!(
-        "solids of up to {} unknowns, {} pressures on each of {} paths; {}",
-        unknowns.max().unwrap_or(0),
-        map.pressures.len(),
-        map.paths.iter().filter(|path| path.is_none()).count() + sweep.check_points(map).len()
-            - map.checks.len(),
-        map.settings
-    );
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn elements_are_three_whole_numbers() {
-        assert_eq!(elements("1,12,90"), Ok([1, 12, 90]));
-        for wrong in ["1,12", "0,12,90", "1,12,90,4", "a", "1,-2,90", "1,12,1e9", ""] {
-            assert!(elements(wrong).unwrap_err().contains("as in 1,12,90"), "{wrong}");
-        }
-    }
 
     #[test]
     fn angles_and_moduli_are_checked_before_anything_is_computed() {
@@ -480,7 +379,6 @@ mod tests {
         assert_eq!(winding_angles("10:30:10").unwrap().0, [10.0, 20.0, 30.0]);
         assert!(share("1e-5") == Ok(1e-5) && share("0").is_err() && share("nan").is_err());
         assert!(ratio("1.5") == Ok(1.5) && ratio("1").is_err() && ratio("inf").is_err());
-        assert!(seconds("-1").is_err() && seconds("nan").is_err() && seconds("0").unwrap().is_zero());
         assert!(positive_list("0.2,-1").is_err() && positive("-5").is_err() && positive("inf").is_err());
     }
 }
