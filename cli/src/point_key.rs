@@ -205,7 +205,7 @@ mod tests {
         with_map(&|map| map.module.base.free_mass += 1e-3);
         with_map(&|map| map.module.frees[1].position[0] += 1e-4);
         with_map(&|map| map.module.frees[1].free.tube.wall += 1e-5);
-        with_map(&|map| map.parameters.truncate(1));
+        with_map(&|map| map.parameters.clear());
         let mut with_sweep = |change: &dyn Fn(&mut ModuleSweep)| {
             let mut other = sweep;
             change(&mut other);
