@@ -37,6 +37,26 @@ impl Jet {
         self.compose([power, slope, (exponent - 1.0) * slope / self.value])
     }
 
+    /// e^self.
+    pub fn exp(self) -> Self {
+        let power = self.value.exp();
+        self.compose([power; 3])
+    }
+
+    /// Hyperbolic tangent.
+    pub fn tanh(self) -> Self {
+        let t = self.value.tanh();
+        let slope = 1.0 - t * t;
+        self.compose([t, slope, -2.0 * t * slope])
+    }
+
+    /// A bounded stand-in for the variable: x/sqrt(1 + (x/2)^2), within -2 to 2.
+    pub fn saturated(self) -> Self {
+        let x = self.value;
+        let root = 1.0 / (1.0 + 0.25 * x * x).sqrt();
+        self.compose([x * root, root.powi(3), -0.75 * x * root.powi(5)])
+    }
+
     /// f(x, y), given f, f_x, f_y, f_xx, f_xy, f_yy at their values.
     pub fn compose2(x: Jet, y: Jet, [f, fx, fy, fxx, fxy, fyy]: [f64; 6]) -> Self {
         let [xx, xy, yy] = [

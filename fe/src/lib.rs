@@ -1,5 +1,8 @@
 //! Finite elements of FREE actuators: materials, section, rod module, continuation.
 
+mod bending_law;
+mod bending_sweep;
+mod bending_table;
 mod capped_map;
 mod closed_form;
 mod end_effect;
@@ -10,6 +13,7 @@ pub mod material;
 mod module_map;
 mod numerics;
 mod rod;
+mod rod_stiffness;
 mod run;
 mod section;
 mod section_law;
@@ -17,6 +21,9 @@ mod solid;
 mod solid_map;
 mod sparse;
 
+pub use bending_law::{BendingLaw, BendingResponse, ConstantBending};
+pub use bending_sweep::BendingSweep;
+pub use bending_table::{BendingPlane, BendingSample, BendingTable};
 pub use capped_map::{CappedSweep, CapsReport};
 pub use closed_form::{ClosedFormError, ThickTube};
 pub use end_effect::{EndChange, EndEffect, PressureUnit};
@@ -25,15 +32,16 @@ pub use free_sweep::{FailedPath, FreeSweepError, FreeSweepReport, PathError};
 pub use module_map::{FailedState, ModuleSweep, ModuleSweepError, ModuleSweepReport};
 pub use numerics::NUMERICS;
 pub use rod::{
-    Configuration, Equilibrium, RodError, RodModule, RodSettings, SectionTable, TableError, TableGrid,
-    TipLoad,
+    Configuration, Equilibrium, RodError, RodLaw, RodModule, RodSettings, SectionTable, TableError,
+    TableGrid, TipLoad,
 };
+pub use rod_stiffness::{RodCompliance, StraightRod};
 pub use run::{Run, Shard};
 pub use section::{PathRequest, SectionError, SectionMesh, SectionSolver, Whereabouts};
 pub use section_law::{SectionLaw, SectionResponse};
 pub use solid::{
     Branches, Coat, CriticalKind, CriticalPoint, Deformation, FibreModel, Plane, PressureLimit, SolidCost,
     SolidError, SolidLoad, SolidMesh, SolidMode, SolidPath, SolidSolver, SolidState, Specimen, Stability,
-    StrainAt, StrainFacet, Strains, write_pvd,
+    StrainAt, StrainFacet, Strains, TipCompliance, write_pvd,
 };
 pub use solid_map::SolidSweep;

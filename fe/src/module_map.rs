@@ -1,6 +1,7 @@
 use crate::{
-    Equilibrium, RodError, RodModule, RodSettings, Run, SectionError, SectionLaw, SectionMesh, SectionSolver,
-    SectionTable, Shard, TableError, TableGrid, free_map::next_fraction,
+    BendingLaw, BendingSweep, ConstantBending, Equilibrium, RodError, RodLaw, RodModule, RodSettings, Run,
+    SectionError, SectionMesh, SectionSolver, SectionTable, Shard, SolidError, TableError, TableGrid,
+    free_map::next_fraction,
 };
 use actuator::{
     Free, FreePath, Handedness, Limits, MapParameter, Module, ModuleCheck, ModuleMap, ModuleState,
@@ -21,8 +22,10 @@ use std::sync::{
 pub struct ModuleSweep {
     /// Mesh of the sections.
     pub mesh: SectionMesh,
-    /// Fineness and provisional stiffness of the rods.
+    /// Fineness of the rods, factor on their bending stiffness.
     pub rods: RodSettings,
+    /// How bending and shear stiffness are computed; `None` takes those of the bare tube, 3 mu I and mu A.
+    pub bending: Option<BendingSweep>,
     /// Number of states at random pressures, for a fit to be judged by.
     pub checks: usize,
     /// Chooses where the checks lie.
@@ -34,7 +37,7 @@ impl Default for ModuleSweep {
     /// table asks for hundreds of states). Ten elements a FREE, 60 checks.
     fn default() -> Self {
         let mesh = SectionMesh { radial: 2, under_fibre: 1, between_fibres: 2 };
-        ModuleSweep { mesh, rods: RodSettings::default(), checks: 60, seed: 1 }
+        ModuleSweep { mesh, rods: RodSettings::default(), bending: None, checks: 60, seed: 1 }
     }
 }
 
@@ -72,6 +75,14 @@ pub enum ModuleSweepError {
         free: usize,
         /// Why.
         source: TableError,
+    },
+    /// The bending law of a FREE cannot be computed.
+    #[error("bending of FREE {}: {source}", free + 1)]
+    Bending {
+        /// Index of the FREE.
+        free: usize,
+        /// Why.
+        source: SolidError,
     },
     /// The rods cannot be set up, or find no state of rest.
     #[error(transparent)]
@@ -183,13 +194,17 @@ impl ModuleSweep {
         Ok(map)
     }
 
-    /// The settings in words, as they stand in the map; they say what is provisional.
+    /// The settings in words, as they stand in the map.
     pub fn settings(&self) -> String {
         let SectionMesh { radial, under_fibre, between_fibres } = self.mesh;
         format!(
             "{}; section laws tabulated from half a fibre pitch of {radial} elements through the wall, {under_fibre} under half \
-             a fibre, {between_fibres} beside it, threads spread over all of the surface; {} checks, seed {}",
+             a fibre, {between_fibres} beside it, threads spread over all of the surface; bending and shear {}; {} checks, seed {}",
             self.rods.describe(),
+            match self.bending {
+                Some(sweep) => format!("tabulated from solids at {} pressures", sweep.planes),
+                None => "of the bare tube, 3 mu I and mu A".to_owned(),
+            },
             self.checks,
             self.seed
         )
@@ -245,6 +260,37 @@ impl ModuleSweep {
         Ok(laws)
     }
 
+    /// Bending law of each FREE up to the greatest pressure of its section law; FREEs of one section share it. `None` where the run
+    /// was stopped.
+    ///
+    /// # Errors
+    /// [`ModuleSweepError::Bending`] where a FREE's solids cannot be solved.
+    pub fn bending_laws(
+        &self,
+        module: &Module,
+        sections: &[Arc<SectionTable>],
+        run: &Run<'_>,
+    ) -> Result<Option<Vec<Arc<dyn BendingLaw>>>, ModuleSweepError> {
+        let mut laws: Vec<Arc<dyn BendingLaw>> = Vec::with_capacity(sections.len());
+        for (free, first) in first_alike(module).into_iter().enumerate() {
+            let own = &module.frees[free].free;
+            let law = match self.bending {
+                _ if first < free => laws[first].clone(),
+                None => Arc::new(ConstantBending::of_bare_tube(own)),
+                Some(sweep) => {
+                    let top = sections[free].grid().pressures.iter().fold(0.0f64, |top, p| top.max(*p));
+                    let found = sweep.tabulate(own, top, run);
+                    match found.map_err(|source| ModuleSweepError::Bending { free, source })? {
+                        None => return Ok(None),
+                        Some(table) => Arc::new(table),
+                    }
+                }
+            };
+            laws.push(law);
+        }
+        Ok(Some(laws))
+    }
+
     /// Pressures (Pa) of the checks: evenly distributed over the box of the map.
     pub fn check_pressures(&self, map: &ModuleMap) -> Vec<Vec<f64>> {
         let mut state = self.seed;
@@ -290,9 +336,14 @@ impl ModuleSweep {
         }
         let laws = match self.section_laws(&map.module, &map.pressures, run) {
             Err(ModuleSweepError::Table { source: TableError::Stopped, .. }) => return Ok(report),
-            laws => laws?.into_iter().map(|law| law as Arc<dyn SectionLaw>).collect(),
+            laws => laws?,
         };
-        let rods = RodModule::new(&map.module, laws, self.rods)?;
+        let bending = match self.bending_laws(&map.module, &laws, run)? {
+            None => return Ok(report),
+            Some(bending) => bending,
+        };
+        let laws = laws.into_iter().zip(bending).map(|(section, bending)| RodLaw { section, bending });
+        let rods = RodModule::new(&map.module, laws.collect(), self.rods)?;
         let rest = rods.rest()?;
         let mut loaded = map.module.clone();
         loaded.tip.payload += PAYLOAD_STEP;

@@ -29,7 +29,7 @@ fn pair() -> Module {
 fn sweep() -> ModuleSweep {
     let mesh = SectionMesh { radial: 1, under_fibre: 1, between_fibres: 2 };
     let rods = RodSettings { elements: 6, bending_stiffness_scale: 2.0, tip_load: TipLoad::default() };
-    ModuleSweep { mesh, rods, checks: 3, seed: 5 }
+    ModuleSweep { mesh, rods, bending: None, checks: 3, seed: 5 }
 }
 
 fn empty(sweep: &ModuleSweep) -> ModuleMap {
@@ -83,7 +83,8 @@ fn states_are_those_of_the_module_and_carry_its_slopes() {
         limits.len() == 2 && limits[0] == limits[1] && (limits[0] / 74.7e3 - 1.0).abs() < 0.01,
         "{limits:?}"
     );
-    assert!(map.settings.contains("PROVISIONAL bending stiffness 2 x 3 mu I"));
+    assert!(map.settings.contains("bending and shear stiffness x 2"));
+    assert!(map.settings.contains("of the bare tube, 3 mu I and mu A"));
     assert!(map.checks.iter().all(|check| check.pressures.iter().all(|p| (0.0..=3e4).contains(p))));
 }
 

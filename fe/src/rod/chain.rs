@@ -18,6 +18,8 @@ pub(super) struct Member<'a> {
     pub weight: Vector3<f64>,
     /// Its axis in the frames of the chain's nodes, m.
     pub arm: Vector3<f64>,
+    /// Reference length next to a cap that feels it, m.
+    pub end_zone: f64,
 }
 
 /// FREEs that share their nodes, as a chain of elements from the base plate (fixed) to the tip plate: one FREE on its own, or all
@@ -50,6 +52,14 @@ fn shifted(frame: &Frame, arm: &Vector3<f64>) -> Frame {
 }
 
 impl Member<'_> {
+    /// Caps per reference length that an element feels: each cap is spread over its end zone, or over one element if that is longer.
+    fn ends(&self, index: usize, elements: usize) -> f64 {
+        let length = self.law.length;
+        let zone = self.end_zone.max(length).min(length * elements as f64);
+        let part = |from_cap: usize| (zone - from_cap as f64 * length).clamp(0.0, length) / zone;
+        (part(index) + part(elements - 1 - index)) / length
+    }
+
     /// Frame of the FREE's axis at a node.
     pub fn frame(&self, node: &Frame) -> Frame {
         shifted(node, &self.arm)
@@ -119,7 +129,9 @@ impl Chain<'_> {
             let mut below = member.frame(&self.base());
             for (index, node) in self.frames(inner, plate).skip(1).enumerate() {
                 let above = member.frame(&node);
-                let element = member.law.evaluate(&below, &above, pressures[member.free], sensitivities)?;
+                let ends = member.ends(index, elements);
+                let law = ElementLaw { ends, ..member.law };
+                let element = law.evaluate(&below, &above, pressures[member.free], sensitivities)?;
                 assembly.energy += element.energy;
                 let mut add = |column: usize, [on_below, on_above]: [Vector6<f64>; 2]| {
                     let mut target = assembly.columns[index].column_mut(column);

@@ -1,5 +1,7 @@
 //! A module of FREEs as geometrically exact rods between two rigid plates.
 
+#[cfg(test)]
+mod bending_tests;
 mod chain;
 mod element;
 mod equilibrium;
@@ -12,6 +14,6 @@ mod table;
 mod tests;
 
 pub use equilibrium::{Configuration, Equilibrium, RodError};
-pub use module::{RodModule, RodSettings, TipLoad};
+pub use module::{RodLaw, RodModule, RodSettings, TipLoad};
 pub(crate) use motion::{Frame, LogVariation};
 pub use table::{SectionTable, TableError, TableGrid};

@@ -6,7 +6,7 @@ use super::{
     pivots::InvertedBlock,
     plate::{Plate, PlateVariation},
 };
-use crate::SectionLaw;
+use crate::{BendingLaw, SectionLaw};
 use actuator::{Module, ModuleState, units::STANDARD_GRAVITY};
 use nalgebra::{Matrix6, UnitQuaternion, Vector3, Vector6};
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub struct RodSettings {
     /// Elements along each FREE of a module without spacers. A FREE may turn several times, but each element by less than 2.5 rad.
     pub elements: usize,
-    /// Factor on the provisional bending stiffness 3 mu I of every FREE.
+    /// Factor on the bending law of every FREE (bending, shear and their coupling), for calibration.
     pub bending_stiffness_scale: f64,
     /// Loads on the tip plate besides weights.
     pub tip_load: TipLoad,
@@ -29,13 +29,14 @@ impl Default for RodSettings {
 }
 
 impl RodSettings {
-    /// In words, for a map; says what is provisional.
+    /// In words, for a map.
     pub fn describe(&self) -> String {
+        let factor = self.bending_stiffness_scale;
+        let scaled =
+            if factor == 1.0 { String::new() } else { format!(", bending and shear stiffness x {factor}") };
         format!(
-            "geometrically exact rods, {} elements a FREE; PROVISIONAL bending stiffness {} x 3 mu I and shear stiffness mu A \
-             (undeformed wall, no fibres, no pressure), to be replaced by the solid model's; with spacers, one element \
-             between two of them",
-            self.elements, self.bending_stiffness_scale
+            "geometrically exact rods, {} elements a FREE; with spacers, one element between two of them{scaled}",
+            self.elements
         )
     }
 }
@@ -50,17 +51,25 @@ pub struct TipLoad {
     pub moment: [f64; 3],
 }
 
-/// A module of FREEs as geometrically exact rods with a section law each, clamped to two rigid plates.
+/// What a FREE is as a rod: a law may be shared; left-handed FREEs mirror it.
+#[derive(Clone)]
+pub struct RodLaw {
+    /// Stretch and twist under pressure.
+    pub section: Arc<dyn SectionLaw>,
+    /// Bending and shear.
+    pub bending: Arc<dyn BendingLaw>,
+}
+
+/// A module of FREEs as geometrically exact rods with their laws, clamped to two rigid plates.
 ///
 /// With spacers, all FREEs share the spacers' motion, one element of each between two spacers ([`Module::spacers`]).
 ///
 /// Energy: of the elements, minus the work of the weights (plate, payload and FREEs along the module's gravity) and of the tip
 /// load. Degrees of freedom of the plate that are not in `tip.free_dof` stay at rest: position in the base frame, `rx` and `ry`
-/// the bend and `rz` the twist of the pose chart. Bending stiffness EI = scale 3 mu I and shear stiffness GA = mu A (I and A of
-/// the undeformed wall, mu the initial shear modulus) are **provisional**: they know nothing of fibres and pressure.
+/// the bend and `rz` the twist of the pose chart.
 pub struct RodModule {
     module: Module,
-    laws: Vec<Arc<dyn SectionLaw>>,
+    laws: Vec<RodLaw>,
     settings: RodSettings,
     /// Shear stiffness of the stiffest FREE, N, and its outer radius, m: what residuals are relative to.
     reference: (f64, f64),
@@ -105,18 +114,13 @@ struct Factored {
 }
 
 impl RodModule {
-    /// A module with the section law of each FREE (a law may be shared; left-handed FREEs mirror it).
-    pub fn new(
-        module: &Module,
-        laws: Vec<Arc<dyn SectionLaw>>,
-        settings: RodSettings,
-    ) -> Result<Self, RodError> {
+    /// A module with the laws of each FREE.
+    ///
+    /// # Errors
+    /// [`RodError`] where a number of laws or a setting makes no sense.
+    pub fn new(module: &Module, laws: Vec<RodLaw>, settings: RodSettings) -> Result<Self, RodError> {
         if laws.len() != module.frees.len() || laws.is_empty() {
-            return Err(RodError::Count {
-                what: "section laws",
-                given: laws.len(),
-                needed: module.frees.len(),
-            });
+            return Err(RodError::Count { what: "laws", given: laws.len(), needed: module.frees.len() });
         }
         if settings.elements == 0 {
             return Err(RodError::Setup { what: "elements", value: 0.0, remedy: "use at least one" });
@@ -134,8 +138,8 @@ impl RodModule {
         Ok(RodModule { module: module.clone(), laws, settings, reference })
     }
 
-    /// The section law of each FREE.
-    pub fn laws(&self) -> Vec<Arc<dyn SectionLaw>> {
+    /// The laws of each FREE.
+    pub fn laws(&self) -> Vec<RodLaw> {
         self.laws.clone()
     }
 
@@ -145,16 +149,16 @@ impl RodModule {
         let elements = self.elements() as f64;
         let member = |free: usize, arm: Vector3<f64>| {
             let placed = &self.module.frees[free];
-            let (tube, mu) = (placed.free.tube, placed.free.elastomer.initial_shear_modulus());
             let law = ElementLaw {
-                section: self.laws[free].as_ref(),
+                section: self.laws[free].section.as_ref(),
                 hand: placed.free.winding.handedness.sign(),
-                bending: self.settings.bending_stiffness_scale * 3.0 * mu * tube.second_moment(),
-                shear: mu * tube.wall_area(),
+                bending: self.laws[free].bending.as_ref(),
+                bending_scale: self.settings.bending_stiffness_scale,
                 held_at: (self.module.spacers > 0).then_some(placed.position),
-                length: tube.length / elements,
+                length: placed.free.tube.length / elements,
+                ends: 0.0,
             };
-            Member { free, law, weight, arm }
+            Member { free, law, weight, arm, end_zone: 2.0 * placed.free.tube.outer_radius() }
         };
         let axis = |free: usize| {
             let [x, y] = self.module.frees[free].position;
@@ -378,7 +382,7 @@ impl RodModule {
                 let between = member.frame(&pair[0]).log_to(&member.frame(&pair[1]));
                 let [axial_stretch, twist_per_length] = member.law.strain(&between);
                 let (free, pressure) = (member.free, loads.pressures[member.free]);
-                if !self.laws[free].covers(pressure, axial_stretch, twist_per_length) {
+                if !self.laws[free].section.covers(pressure, axial_stretch, twist_per_length) {
                     let last = Box::new(shape);
                     return Err(RodError::OutsideSectionLaw {
                         free,

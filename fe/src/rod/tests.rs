@@ -3,7 +3,7 @@ use super::{
     motion::{Frame, joined},
     *,
 };
-use crate::{SectionLaw, SectionResponse, ThickTube};
+use crate::{BendingLaw, BendingResponse, ConstantBending, SectionLaw, SectionResponse, ThickTube};
 use actuator::{
     Base, Elastomer, Fibre, FibreLaw, Free, Handedness, Module, OgdenForm, PlacedFree, PoseChart, Tip, Tube,
     Winding,
@@ -63,14 +63,23 @@ fn left_right(gravity: [f64; 3]) -> Module {
     module
 }
 
+/// With the bending of the bare tubes.
+fn with_sections(module: &Module, sections: Vec<Arc<dyn SectionLaw>>, settings: RodSettings) -> RodModule {
+    let law = |(section, placed): (Arc<dyn SectionLaw>, &PlacedFree)| RodLaw {
+        section,
+        bending: Arc::new(ConstantBending::of_bare_tube(&placed.free)),
+    };
+    RodModule::new(module, sections.into_iter().zip(&module.frees).map(law).collect(), settings).unwrap()
+}
+
 fn analytic(module: &Module, settings: RodSettings) -> RodModule {
     let law = |placed: &PlacedFree| Arc::new(ThickTube::new(&placed.free)) as Arc<dyn SectionLaw>;
-    RodModule::new(module, module.frees.iter().map(law).collect(), settings).unwrap()
+    with_sections(module, module.frees.iter().map(law).collect(), settings)
 }
 
 fn linear(module: &Module, law: Linear, settings: RodSettings) -> RodModule {
     let law: Arc<dyn SectionLaw> = Arc::new(law);
-    RodModule::new(module, vec![law; module.frees.len()], settings).unwrap()
+    with_sections(module, vec![law; module.frees.len()], settings)
 }
 
 fn bending(free: &Free) -> f64 {
@@ -120,13 +129,44 @@ fn a_turning_bundle_lays_its_frees_on_helices() {
     assert!(twist < -5.0, "{chart:?}");
 }
 
+/// Stiffnesses that change with pressure, stretch, twist and ends, for tests of derivatives.
+struct Varying;
+
+impl BendingLaw for Varying {
+    fn respond(&self, p: f64, stretch: f64, twist: f64, ends: f64) -> BendingResponse {
+        let sizes = [4e-4 * (1.0 + 1e-3 * ends), 3e-3, 10.0];
+        let (a, b, c) = (1.7 * (stretch - 1.0), 0.02 * twist, 1.0 + p / 5e4);
+        let value = c * (1.0 + a + b + a * a - 0.5 * a * b + 0.3 * b * b);
+        let slopes = [c * 1.7 * (1.0 + 2.0 * a - 0.5 * b), c * 0.02 * (1.0 - 0.5 * a + 0.6 * b)];
+        let curvatures = [c * 1.7 * 1.7 * 2.0, c * 1.7 * 0.02 * -0.5, c * 0.02 * 0.02 * 0.6];
+        let signs = [1.0, -1.0, 0.5];
+        BendingResponse {
+            stiffness: std::array::from_fn(|i| sizes[i] * (1.0 + signs[i] * value)),
+            slopes: slopes.map(|slope| std::array::from_fn(|i| sizes[i] * signs[i] * slope)),
+            curvatures: curvatures.map(|curvature| std::array::from_fn(|i| sizes[i] * signs[i] * curvature)),
+        }
+    }
+
+    fn respond_tied(&self, p: f64, stretch: f64, twist: f64, ends: f64) -> BendingResponse {
+        self.respond(1.5 * p, stretch, twist, ends)
+    }
+}
+
 #[test]
 fn element_derivatives_match_differences() {
     let tube = ThickTube::new(&free(30.0, Handedness::Right));
     for (hand, held_at) in
         [(1.0, None), (-1.0, None), (1.0, Some([7e-3, -4e-3])), (-1.0, Some([-7e-3, 4e-3]))]
     {
-        let law = ElementLaw { section: &tube, hand, bending: 4e-4, shear: 10.0, held_at, length: 0.02 };
+        let law = ElementLaw {
+            section: &tube,
+            hand,
+            bending: &Varying,
+            bending_scale: 0.8,
+            held_at,
+            length: 0.02,
+            ends: 50.0,
+        };
         let a = Frame {
             rotation: UnitQuaternion::from_scaled_axis(Vector3::new(0.3, -0.5, 1.4)),
             position: Vector3::new(0.01, 0.02, 0.03),
@@ -179,7 +219,7 @@ fn element_derivatives_match_differences() {
             let slope = (pressed(3.1e4)[node] - pressed(2.9e4)[node]) / 2e3;
             assert!((slope - element.pressure_gradient[node]).amax() < 1e-5 * slope.amax());
         }
-        let softer = ElementLaw { bending: 2e-4, ..law }.evaluate(&a, &b, 3e4, false).unwrap();
+        let softer = ElementLaw { bending_scale: 0.4, ..law }.evaluate(&a, &b, 3e4, false).unwrap();
         for node in 0..2 {
             let half = element.gradient[node] - softer.gradient[node];
             assert!((half - element.bending_gradient[node] * 0.5).amax() < 1e-12);
@@ -211,11 +251,14 @@ fn cantilever_converges_with_second_order() {
     // Tip force across: large deflection, F L^2/EI = 2. So soft in bending that shear and stretch do not matter.
     let mut module = module(vec![at(free(30.0, Handedness::Right), 0.0, 0.0)]);
     module.tip.free_dof = [true, false, true, false, true, false];
-    let bending_stiffness_scale = 0.01;
-    let ei = bending_stiffness_scale * bending(&module.frees[0].free);
+    let free = module.frees[0].free;
+    let ei = 0.01 * bending(&free);
+    let soft = ConstantBending { bending: ei, ..ConstantBending::of_bare_tube(&free) };
     let tip_load = TipLoad { force: [2.0 * ei / module.length().powi(2), 0.0, 0.0], moment: [0.0; 3] };
     let tip = |elements: usize| {
-        let rods = linear(&module, STIFF, RodSettings { elements, tip_load, bending_stiffness_scale });
+        let law = RodLaw { section: Arc::new(STIFF), bending: Arc::new(soft) };
+        let settings = RodSettings { elements, tip_load, ..RodSettings::default() };
+        let rods = RodModule::new(&module, vec![law], settings).unwrap();
         rods.rest().unwrap().state.chart.position[0]
     };
     let [coarse, middle, fine] = [5, 10, 20].map(tip);
@@ -475,8 +518,7 @@ fn a_tabulated_law_places_the_tip_like_the_law_itself() {
     let law = tube.clone();
     let table = SectionTable::tabulate(grid, &move |p, l, t| law.section(p, l, t), &run).unwrap();
     let settings = RodSettings { bending_stiffness_scale: 2.5, ..RodSettings::default() };
-    let tabulated =
-        RodModule::new(&module, vec![Arc::new(table) as Arc<dyn SectionLaw>; 4], settings).unwrap();
+    let tabulated = with_sections(&module, vec![Arc::new(table) as Arc<dyn SectionLaw>; 4], settings);
     let exact = analytic(&module, settings);
     let mut worst = [0.0f64; 2];
     for pressures in

@@ -24,6 +24,7 @@ mod state;
 mod strain_picture;
 #[cfg(test)]
 mod tests;
+mod tip_compliance;
 mod vtk_xml;
 mod vtu;
 mod wall;
@@ -40,5 +41,6 @@ pub use specimen::{Coat, FibreModel, Specimen};
 pub use stability::{SolidMode, Stability};
 pub use state::{SolidLoad, SolidState};
 pub use strain_picture::StrainFacet;
+pub use tip_compliance::TipCompliance;
 pub use vtk_xml::write_pvd;
 pub use wall::{StrainAt, Strains};

@@ -10,6 +10,7 @@ mod patch;
 mod pressures;
 mod problem;
 mod stability;
+mod tip_compliance;
 mod vtu;
 
 use super::Specimen;
