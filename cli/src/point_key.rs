@@ -4,7 +4,8 @@
 
 use actuator::{LoadedFree, ModuleMap, PointKey, StoreError, artefact};
 use fe::{
-    CappedSweep, FreeSweep, ModuleSweep, NUMERICS, RodSettings, SectionMesh, SolidMesh, SolidSweep, TipLoad,
+    BendingSweep, CappedSweep, FreeSweep, ModuleSweep, NUMERICS, RodSettings, SectionMesh, SolidMesh,
+    SolidSweep, TipLoad,
 };
 use serde::Serialize;
 
@@ -40,10 +41,11 @@ pub fn solid(sweep: &SolidSweep, node: &LoadedFree, pressures: &[f64]) -> Result
 
 /// A row of a module's states, by its pressures (Pa). The section tables are made for the map's whole axes.
 pub fn row(sweep: &ModuleSweep, map: &ModuleMap, row: &[Vec<f64>]) -> Result<PointKey, StoreError> {
-    let ModuleSweep { mesh, rods, checks: _, seed: _ } = *sweep;
+    let ModuleSweep { mesh, rods, bending, checks: _, seed: _ } = *sweep;
     let RodSettings { elements, bending_stiffness_scale, tip_load: TipLoad { force, moment } } = rods;
     let rods = (elements, bending_stiffness_scale, force, moment);
-    let computed_by = (section_mesh(mesh), rods, &map.parameters);
+    let bending = bending.map(|BendingSweep { planes, lengths, range }| (planes, lengths, range));
+    let computed_by = (section_mesh(mesh), rods, bending, &map.parameters);
     PointKey::of(&("row of a module", PROGRAM, computed_by, &map.module, &map.pressures, row))
 }
 

@@ -104,11 +104,11 @@ fn slopes_are_derivatives_and_the_energy_is_positive_everywhere() {
                     let size = found.stiffness[i].abs().max(1e-30) / h;
                     let slope = difference(&|r| r.stiffness[i]);
                     assert!((slope - found.slopes[k][i]).abs() < 1e-9 * size, "{i} {k} {slope} {found:?}");
-                    for j in 0..2 {
+                    for (j, other) in steps.into_iter().enumerate() {
                         let second = difference(&|r| r.slopes[j][i]);
                         let exact = found.curvatures[j + k][i];
                         assert!(
-                            (second - exact).abs() < 1e-9 * size / steps[j],
+                            (second - exact).abs() < 1e-9 * size / other,
                             "{i} {j} {k}: {second} {exact}"
                         );
                     }

@@ -11,6 +11,7 @@ mod free_sweep;
 mod jet;
 pub mod material;
 mod module_map;
+mod module_sweep_error;
 mod numerics;
 mod rod;
 mod rod_stiffness;
@@ -29,7 +30,8 @@ pub use closed_form::{ClosedFormError, ThickTube};
 pub use end_effect::{EndChange, EndEffect, PressureUnit};
 pub use free_map::FreeSweep;
 pub use free_sweep::{FailedPath, FreeSweepError, FreeSweepReport, PathError};
-pub use module_map::{FailedState, ModuleSweep, ModuleSweepError, ModuleSweepReport};
+pub use module_map::{FailedState, ModuleSweep, ModuleSweepReport};
+pub use module_sweep_error::ModuleSweepError;
 pub use numerics::NUMERICS;
 pub use rod::{
     Configuration, Equilibrium, RodError, RodLaw, RodModule, RodSettings, SectionTable, TableError,

@@ -1,6 +1,6 @@
 use crate::{
-    BendingLaw, BendingSweep, ConstantBending, Equilibrium, RodError, RodLaw, RodModule, RodSettings, Run,
-    SectionError, SectionMesh, SectionSolver, SectionTable, Shard, SolidError, TableError, TableGrid,
+    BendingLaw, BendingSweep, ConstantBending, Equilibrium, ModuleSweepError, RodError, RodLaw, RodModule,
+    RodSettings, Run, SectionMesh, SectionSolver, SectionTable, Shard, TableError, TableGrid,
     free_map::next_fraction,
 };
 use actuator::{
@@ -39,54 +39,6 @@ impl Default for ModuleSweep {
         let mesh = SectionMesh { radial: 2, under_fibre: 1, between_fibres: 2 };
         ModuleSweep { mesh, rods: RodSettings::default(), bending: None, checks: 60, seed: 1 }
     }
-}
-
-/// Why a sweep of a module cannot be begun.
-#[derive(Clone, Debug, thiserror::Error)]
-pub enum ModuleSweepError {
-    /// The axis of a FREE's pressure is empty, not rising from zero, or missing.
-    #[error("pressures (kPa) of FREE {}: {problem}", free + 1)]
-    Axis {
-        /// Index of the FREE.
-        free: usize,
-        /// What is wrong and what is wanted.
-        problem: String,
-    },
-    /// The map's nodes are not those of its axes.
-    #[error("the map holds {found} states, but its axes have {expected} nodes: make it again")]
-    Shape {
-        /// Product of the axes' nodes.
-        expected: usize,
-        /// States.
-        found: usize,
-    },
-    /// The section of a FREE cannot be solved.
-    #[error("FREE {}: {source}", free + 1)]
-    Section {
-        /// Index of the FREE.
-        free: usize,
-        /// Why.
-        source: SectionError,
-    },
-    /// The section law of a FREE cannot be tabulated.
-    #[error("FREE {}: {source}", free + 1)]
-    Table {
-        /// Index of the FREE.
-        free: usize,
-        /// Why.
-        source: TableError,
-    },
-    /// The bending law of a FREE cannot be computed.
-    #[error("bending of FREE {}: {source}", free + 1)]
-    Bending {
-        /// Index of the FREE.
-        free: usize,
-        /// Why.
-        source: SolidError,
-    },
-    /// The rods cannot be set up, or find no state of rest.
-    #[error(transparent)]
-    Rods(#[from] RodError),
 }
 
 /// A state that was not found; its node stays empty.

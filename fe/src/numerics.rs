@@ -2,7 +2,7 @@
 ///
 /// To be raised by one with every change after which a sweep gives other states or other numbers about them: points that were kept
 /// from before are then computed anew.
-pub const NUMERICS: u32 = 1;
+pub const NUMERICS: u32 = 2;
 
 #[cfg(test)]
 mod tests {
