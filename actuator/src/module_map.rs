@@ -62,7 +62,7 @@ pub struct ModuleMap {
     pub checks: Vec<ModuleCheck>,
     /// Limit pressure of each FREE alone, Pa, where it has one.
     pub limit_pressures: Vec<Option<f64>>,
-    /// Settings of the finite elements, in words; says what is provisional.
+    /// Settings of the finite elements, in words.
     pub settings: String,
     /// Name and text of the description it was made from.
     pub source: (String, String),

@@ -34,10 +34,16 @@ pub struct ModuleSweep {
 
 impl Default for ModuleSweep {
     /// A section mesh of two elements through the wall, three around, whose torque is within 0.1 % of the next finer ones (a
-    /// table asks for hundreds of states). Ten elements a FREE, 60 checks.
+    /// table asks for hundreds of states). Twenty elements a FREE, 60 checks.
     fn default() -> Self {
         let mesh = SectionMesh { radial: 2, under_fibre: 1, between_fibres: 2 };
-        ModuleSweep { mesh, rods: RodSettings::default(), bending: None, checks: 60, seed: 1 }
+        ModuleSweep {
+            mesh,
+            rods: RodSettings::default(),
+            bending: Some(BendingSweep::default()),
+            checks: 60,
+            seed: 1,
+        }
     }
 }
 

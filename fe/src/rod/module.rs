@@ -14,7 +14,8 @@ use std::sync::Arc;
 /// How finely and how stiff a module is modelled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RodSettings {
-    /// Elements along each FREE of a module without spacers. A FREE may turn several times, but each element by less than 2.5 rad.
+    /// Elements along each FREE of a module without spacers. A FREE may turn several times, but each element by less than 2.5 rad; one that
+    /// turns by an angle within an element bends too little by a twelfth of its square: 1 % at 0.35 rad.
     pub elements: usize,
     /// Factor on the bending law of every FREE (bending, shear and their coupling), for calibration.
     pub bending_stiffness_scale: f64,
@@ -24,7 +25,7 @@ pub struct RodSettings {
 
 impl Default for RodSettings {
     fn default() -> Self {
-        RodSettings { elements: 10, bending_stiffness_scale: 1.0, tip_load: TipLoad::default() }
+        RodSettings { elements: 20, bending_stiffness_scale: 1.0, tip_load: TipLoad::default() }
     }
 }
 
