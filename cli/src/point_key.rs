@@ -126,6 +126,7 @@ mod tests {
             FreeSweep { interpolation_tolerance: Some(2e-5), ..sweep },
             FreeSweep { interpolation_tolerance: None, ..sweep },
             FreeSweep { beyond_limit: Some(1.5), ..sweep },
+            FreeSweep { beyond_limit: Some(1.2), ..sweep },
             FreeSweep { estimate_errors: false, ..sweep },
         ] {
             keys.push(section(&other, &node, PRESSURES[0]));

@@ -49,9 +49,9 @@ struct Sweep {
     points: usize,
     arguments: Vec<String>,
     map: Vec<u8>,
-    /// Time it takes on one thread, s.
+    /// Time that the last undisturbed run took, s: it varies with what else the machine does.
     seconds: f64,
-    /// Processor time of each undisturbed run, s: it varies with what else the machine does.
+    /// Processor time of each undisturbed run, s: it varies as well.
     cpu: Vec<f64>,
 }
 
@@ -61,19 +61,18 @@ impl Sweep {
         let mut arguments = vec!["--of".to_owned(), of];
         arguments.extend(settings.split_whitespace().map(str::to_owned));
         let mut sweep = Sweep { name, points, arguments, map: vec![], seconds: 0.0, cpu: vec![] };
-        let start = Instant::now();
         sweep.map = sweep.run_undisturbed("1");
-        sweep.seconds = start.elapsed().as_secs_f64();
         sweep
     }
 
     fn run_undisturbed(&mut self, jobs: &str) -> Vec<u8> {
         let folder = tempfile::tempdir().unwrap();
-        let before = cpu_of_children();
+        let (before, start) = (cpu_of_children(), Instant::now());
         let (mut run, _) = self.start(folder.path(), &["--jobs", jobs]);
         let status = run.wait().unwrap();
         assert!(status.success(), "{}: {status}: {}", self.name, said(&mut run));
         self.cpu.push(cpu_of_children() - before);
+        self.seconds = start.elapsed().as_secs_f64();
         assert_eq!(files(folder.path()).len(), 1, "more than the map is left");
         fs::read(map_in(folder.path())).unwrap()
     }
