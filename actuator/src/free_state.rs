@@ -56,3 +56,10 @@ pub struct FreeState {
     /// What a coarser mesh says about the error, where one was asked.
     pub mesh_error: Option<MeshError>,
 }
+
+impl FreeState {
+    /// Axial stretch, expansion and twist per reference length (rad/m).
+    pub fn deformation(&self) -> [f64; 3] {
+        [self.axial_stretch, self.expansion, self.twist_per_length]
+    }
+}

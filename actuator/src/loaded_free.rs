@@ -13,6 +13,11 @@ pub struct EndLoad {
 impl EndLoad {
     /// No load.
     pub const NONE: EndLoad = EndLoad { force: 0.0, torque: 0.0 };
+
+    /// A share of both.
+    pub fn times(self, share: f64) -> Self {
+        EndLoad { force: share * self.force, torque: share * self.torque }
+    }
 }
 
 /// A FREE and what pulls and turns it: what a path of a map belongs to.

@@ -2,8 +2,8 @@ use crate::{
     BendingPlane, BendingSample, BendingTable, RodCompliance, Run, SolidError, SolidLoad, SolidMesh,
     SolidSolver, SolidState, Specimen, StraightRod, TipCompliance,
 };
-use actuator::Free;
-use nalgebra::{Matrix2, Vector2, Vector3};
+use actuator::{EndLoad, Free};
+use nalgebra::{Matrix2, Vector2};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 
@@ -49,10 +49,6 @@ struct Tubes {
     straight: SolidSolver,
     /// The whole, where that is only a sector.
     whole: Option<SolidSolver>,
-}
-
-fn along(pressure: f64, [force, torque]: [f64; 2]) -> SolidLoad {
-    SolidLoad { force: Vector3::z() * force, moment: Vector3::z() * torque, ..SolidLoad::pressure(pressure) }
 }
 
 impl Tubes {
@@ -146,7 +142,7 @@ impl BendingSweep {
                 let mut tubes = Tubes::new(&free, lengths[index])?;
                 let mut states = vec![];
                 let rest = tubes.straight.rest();
-                let path = |pressure| along(pressure, [0.0; 2]);
+                let path = |pressure| SolidLoad::axial(pressure, EndLoad::NONE);
                 let ended = tubes.straight.follow(&rest, 0.0, &pressures, &path, &mut |_, state| {
                     states.push(state.clone());
                     !run.is_stopped()
@@ -181,14 +177,15 @@ impl BendingSweep {
                 let (pressure, size) = (middles[plane].0, sizes[plane]);
                 let mut tubes = Tubes::new(&free, lengths[index])?;
                 let rest = tubes.straight.rest();
-                let middle = tubes.follow(&rest, &|part| along(part * pressure, [0.0; 2]))?;
+                let middle = tubes.follow(&rest, &|part| SolidLoad::axial(part * pressure, EndLoad::NONE))?;
                 let mut answers = vec![];
                 for (force, torque) in POINTS {
                     if run.is_stopped() {
                         return Ok(None);
                     }
                     let loads = [force * size[0], torque * size[1]];
-                    let to = |part: f64| along(pressure, loads.map(|load| part * load));
+                    let ends = EndLoad { force: loads[0], torque: loads[1] };
+                    let to = |part: f64| SolidLoad::axial(pressure, ends.times(part));
                     let state = tubes.follow(&middle, &to);
                     answers.push(state.and_then(|state| tubes.answer(&state, loads)).ok());
                 }

@@ -17,10 +17,9 @@ mod tests {
     fn numbers(path: &FreePath) -> (Vec<f64>, usize) {
         let state = path.states.iter().find(|state| (state.pressure - PRESSURE).abs() < 1e-6).unwrap();
         let middle = state.middle.iter().flat_map(|m| [m.axial_stretch, m.twist_per_length]);
-        let numbers = [state.axial_stretch, state.expansion, state.twist_per_length];
         let more = [state.section.is_some(), state.mesh_error.is_some(), path.limit_error.is_some()];
         let more = more.into_iter().filter(|there| *there).count() + path.beyond.len();
-        (numbers.into_iter().chain(middle).collect(), more)
+        (state.deformation().into_iter().chain(middle).collect(), more)
     }
 
     #[test]

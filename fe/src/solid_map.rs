@@ -328,8 +328,7 @@ mod tests {
         let mut whole = SolidSolver::new(&Specimen::from(&free), sweep.mesh(&free)).unwrap();
         assert!(whole.unknowns() > 5 * sweep.solver(&free).unwrap().unknowns());
         let whole = whole.free_path(EndLoad::NONE, &[0.0, 3e4], None, &mut || true).unwrap().states[1];
-        let values = |state: FreeState| [state.axial_stretch, state.expansion, state.twist_per_length];
-        for (a, b) in values(sector).into_iter().zip(values(whole)) {
+        for (a, b) in sector.deformation().into_iter().zip(whole.deformation()) {
             assert!((a - b).abs() < 1e-7 * a.abs(), "{sector:?} {whole:?}");
         }
     }

@@ -4,10 +4,6 @@ use actuator::{FreePath, FreeState, MeshError, PathEnd};
 /// Richardson's divisor 2^order - 1 is 1, and the error of the finer of two meshes is their whole difference.
 const ORDER: i32 = 1;
 
-fn quantities(state: &FreeState) -> [f64; 3] {
-    [state.axial_stretch, state.expansion, state.twist_per_length]
-}
-
 /// What of a coarser mesh a state is compared with: the state at the same pressure; of the limit state, or where the coarser mesh has
 /// no such state any more, the limit state.
 fn counterpart<'a>(state: &FreeState, is_limit: bool, coarser: &'a FreePath) -> Option<&'a FreeState> {
@@ -38,7 +34,7 @@ pub(crate) fn estimate(path: &mut FreePath, coarser: &[FreePath; 2]) {
         let mut sum = Some([0.0; 3]);
         for coarser in coarser {
             sum = sum.zip(counterpart(state, is_limit, coarser)).map(|(sum, other)| {
-                let (fine, coarse) = (quantities(state), quantities(other));
+                let (fine, coarse) = (state.deformation(), other.deformation());
                 std::array::from_fn(|q| sum[q] + (fine[q] - coarse[q]).abs() / divisor)
             });
         }

@@ -19,10 +19,6 @@ struct Trace {
     values: Vec<[f64; 3]>,
 }
 
-fn quantities(state: &FreeState) -> [f64; 3] {
-    [state.axial_stretch, state.expansion, state.twist_per_length]
-}
-
 /// Place of a pressure.
 fn place(pressure: f64, last: f64, end: PathEnd) -> f64 {
     let share = pressure / last;
@@ -56,7 +52,7 @@ impl Trace {
     fn new(states: &[FreeState], end: PathEnd, outer_radius: f64) -> Self {
         let last = states.last().map_or(0.0, |state| state.pressure);
         let least = [LEAST_CHANGE, LEAST_CHANGE, LEAST_CHANGE / outer_radius];
-        let all = || states.iter().map(quantities);
+        let all = || states.iter().map(FreeState::deformation);
         let scale: [f64; 3] = std::array::from_fn(|q| {
             let (low, high) = all()
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v[q]), high.max(v[q])));
@@ -74,7 +70,7 @@ impl Trace {
                 trace.values.pop();
             }
             trace.places.push(s);
-            let values = quantities(state);
+            let values = state.deformation();
             trace.values.push(std::array::from_fn(|q| values[q] / scale[q]));
         }
         trace

@@ -41,12 +41,6 @@ impl Station {
     }
 }
 
-/// Pressure and loads on the tip's cap.
-fn under(pressure: f64, load: EndLoad) -> SolidLoad {
-    let along = |size: f64| Vector3::new(0.0, 0.0, size);
-    SolidLoad { force: along(load.force), moment: along(load.torque), ..SolidLoad::pressure(pressure) }
-}
-
 /// Given each state of a path, with the solver that found it and what it comes to; says whether to go on.
 type Seen<'a> = dyn FnMut(&SolidSolver, &SolidState, &FreeState) -> bool + 'a;
 
@@ -138,8 +132,7 @@ impl SolidSolver {
     ) -> Result<FreePath, SolidError> {
         let mut rest = self.rest();
         if load != EndLoad::NONE {
-            let part =
-                |share: f64| under(0.0, EndLoad { force: share * load.force, torque: share * load.torque });
+            let part = |share| SolidLoad::axial(0.0, load.times(share));
             rest = self.follow(&rest, 0.0, &[1.0], &part, &mut |_, _| true)?;
         }
         let mut trail = Trail { states: vec![], last: None, seen };
@@ -147,10 +140,11 @@ impl SolidSolver {
         let safe = safe_pressure.map_or(f64::INFINITY, |limit| BY_PRESSURE * limit);
         let stops: Vec<f64> = pressures.iter().copied().filter(|p| *p > 0.0 && *p <= safe).collect();
         let mut found = Vec::with_capacity(stops.len());
-        let followed = self.follow(&rest, 0.0, &stops, &|pressure| under(pressure, load), &mut |_, state| {
-            found.push(state.clone());
-            told()
-        });
+        let followed =
+            self.follow(&rest, 0.0, &stops, &|pressure| SolidLoad::axial(pressure, load), &mut |_, state| {
+                found.push(state.clone());
+                told()
+            });
         // Lost or not: what was found is judged below.
         if let Err(SolidError::Stopped) = followed {
             return Err(SolidError::Stopped);

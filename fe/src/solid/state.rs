@@ -1,4 +1,5 @@
 use super::{fibre::Fibres, mesh::Grid};
+use actuator::EndLoad;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
 
@@ -60,6 +61,12 @@ impl SolidLoad {
     /// Pressure alone, the cap free.
     pub fn pressure(pressure: f64) -> Self {
         SolidLoad { pressure, ..Self::default() }
+    }
+
+    /// Pressure, and a dead force and torque along the axis on the tip's cap, which is free.
+    pub fn axial(pressure: f64, ends: EndLoad) -> Self {
+        let along = |size: f64| Vector3::new(0.0, 0.0, size);
+        SolidLoad { force: along(ends.force), moment: along(ends.torque), ..Self::pressure(pressure) }
     }
 
     /// One sector of several keeps the axis: the cap may move and turn along it only.

@@ -3,10 +3,6 @@
 use super::*;
 use actuator::FreePath;
 
-fn quantities(state: &FreeState) -> [f64; 3] {
-    [state.axial_stretch, state.expansion, state.twist_per_length]
-}
-
 fn path(free: &Free, mesh: SectionMesh, pressures: &[f64], estimate_errors: bool) -> FreePath {
     let request = PathRequest { pressures, estimate_errors, ..PathRequest::default() };
     solver(free, mesh).free_path(&request).unwrap()
@@ -43,14 +39,14 @@ fn the_estimate_bounds_the_error_against_a_mesh_four_times_as_fine() {
             (path(&free, mesh, &pressures, true), path(&free, mesh.refined(4), &pressures, false));
         assert_eq!(found.states.len(), exact.states.len());
         let change = |q: usize| {
-            let of = |state: &FreeState| (quantities(state)[q] - quantities(&found.states[0])[q]).abs();
+            let of = |state: &FreeState| (state.deformation()[q] - found.states[0].deformation()[q]).abs();
             found.states.iter().map(of).fold(0.0, f64::max)
         };
         for (state, exact) in found.states.iter().zip(&exact.states).skip(1) {
             let error = state.mesh_error.unwrap();
             let estimate = [error.axial_stretch, error.expansion, error.twist_per_length];
             for (q, estimate) in estimate.into_iter().enumerate() {
-                let error = (quantities(state)[q] - quantities(exact)[q]).abs();
+                let error = (state.deformation()[q] - exact.deformation()[q]).abs();
                 // Less is the rounding of the fine mesh.
                 if error > 1e-6 * change(q) {
                     compared += 1;

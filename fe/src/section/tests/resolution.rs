@@ -3,10 +3,6 @@
 use super::*;
 use actuator::FreePath;
 
-fn quantities(state: &FreeState) -> [f64; 3] {
-    [state.axial_stretch, state.expansion, state.twist_per_length]
-}
-
 /// The path with a tolerance, at few pressures and few extra states.
 fn path(free: &Free, tolerance: Option<f64>) -> FreePath {
     let request = PathRequest {
@@ -29,7 +25,7 @@ fn greatest_miss(free: &Free, path: &FreePath) -> f64 {
     let solved = solver(free, COARSE).path(&pressures, 0).unwrap();
     let mut worst = 0.0f64;
     for q in 0..3 {
-        let all = || path.states.iter().map(|state| quantities(state)[q]);
+        let all = || path.states.iter().map(|state| state.deformation()[q]);
         let change = all().fold(f64::MIN, f64::max) - all().fold(f64::MAX, f64::min);
         for state in &solved.states {
             let at = s(state.pressure);
@@ -41,10 +37,10 @@ fn greatest_miss(free: &Free, path: &FreePath) -> f64 {
                 .map(|i| {
                     let others = stencil.clone().filter(|j| *j != i);
                     let weight: f64 = others.map(|j| (at - places[j]) / (places[i] - places[j])).product();
-                    weight * quantities(&path.states[i])[q]
+                    weight * path.states[i].deformation()[q]
                 })
                 .sum();
-            worst = worst.max((lagrange - quantities(state)[q]).abs() / change);
+            worst = worst.max((lagrange - state.deformation()[q]).abs() / change);
         }
     }
     worst
