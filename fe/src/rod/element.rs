@@ -173,3 +173,7 @@ impl ElementLaw<'_> {
         })
     }
 }
+
+#[cfg(test)]
+#[path = "element_tests.rs"]
+mod tests;

@@ -1,5 +1,12 @@
-use super::{motion::Frame, plate::Plate};
-use actuator::{ModuleState, PoseChart};
+use super::{
+    chain::{Chain, Condensed},
+    module::RodModule,
+    motion::Frame,
+    path::Loads,
+    plate::Plate,
+};
+use actuator::{ModuleState, PoseChart, units::STANDARD_GRAVITY};
+use nalgebra::{Vector3, Vector6};
 use std::fmt;
 
 /// Where every cross-section of a module is.
@@ -97,4 +104,68 @@ pub enum RodError {
 fn in_kpa(pressures: &[f64]) -> String {
     let words: Vec<String> = pressures.iter().map(|p| format!("{:.3}", p / 1e3)).collect();
     format!("({})", words.join(", "))
+}
+
+impl RodModule {
+    /// Checks a converged shape and takes its derivatives.
+    pub(super) fn finish(&self, shape: Configuration, loads: &Loads) -> Result<Equilibrium, RodError> {
+        let chains = self.chains(loads.part);
+        let frame = shape.plate.frame();
+        for (chain, inner) in chains.iter().zip(&shape.inner) {
+            let frames: Vec<Frame> = chain.frames(inner, &frame).collect();
+            for (member, pair) in
+                chain.members.iter().flat_map(|m| frames.windows(2).map(move |pair| (m, pair)))
+            {
+                let between = member.frame(&pair[0]).log_to(&member.frame(&pair[1]));
+                let [axial_stretch, twist_per_length] = member.law.strain(&between);
+                let (free, pressure) = (member.free, loads.pressures[member.free]);
+                if !self.laws[free].section.covers(pressure, axial_stretch, twist_per_length) {
+                    let last = Box::new(shape);
+                    return Err(RodError::OutsideSectionLaw {
+                        free,
+                        pressure,
+                        axial_stretch,
+                        twist_per_length,
+                        last,
+                    });
+                }
+            }
+        }
+        let singular = || RodError::NoEquilibrium {
+            goal: loads.pressures.clone(),
+            reached: loads.pressures.clone(),
+            residual: f64::INFINITY,
+            last: Box::new(shape.clone()),
+        };
+        let system = self.assemble(&chains, &shape, loads, true).ok_or_else(singular)?;
+        let factored = self.factorise(&chains, &shape, &system).ok_or_else(singular)?;
+        let slope = |load: Vector6<f64>| shape.plate.chart_slope(&-(factored.inverse * self.free_part(load)));
+        let column = |index: usize, chain: &Condensed| -> Vector6<f64> {
+            factored.plate.first.transpose() * chain.columns.column(index)
+        };
+        let gravity = Vector3::from(self.module.base.gravity) * -STANDARD_GRAVITY;
+        let slopes = [
+            slope(Vector6::new(gravity.x, gravity.y, gravity.z, 0.0, 0.0, 0.0)),
+            slope(factored.condensed.iter().map(|chain| column(Chain::BENDING_COLUMN, chain)).sum()),
+        ];
+        let mut pressure_jacobian = vec![[0.0; 6]; self.laws.len()];
+        for (chain, condensed) in chains.iter().zip(&factored.condensed) {
+            for (place, member) in chain.members.iter().enumerate() {
+                pressure_jacobian[member.free] = slope(column(Chain::pressure_column(place), condensed));
+            }
+        }
+        let state = ModuleState {
+            chart: shape.chart(),
+            slopes: slopes.to_vec(),
+            negative_pivots: factored.negative,
+            residual: system.residual,
+        };
+        Ok(Equilibrium {
+            pressures: loads.pressures.clone(),
+            configuration: shape,
+            state,
+            energy: system.energy,
+            pressure_jacobian,
+        })
+    }
 }

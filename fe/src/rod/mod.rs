@@ -1,19 +1,27 @@
 //! A module of FREEs as geometrically exact rods between two rigid plates.
 
 #[cfg(test)]
+mod benchmarks;
+#[cfg(test)]
 mod bending_tests;
 mod chain;
 mod element;
 mod equilibrium;
 mod module;
+#[cfg(test)]
+mod module_tests;
 mod motion;
+mod path;
 mod pivots;
 mod plate;
-mod table;
+mod settings;
 #[cfg(test)]
-mod tests;
+mod specimens;
+mod system;
+mod table;
 
 pub use equilibrium::{Configuration, Equilibrium, RodError};
-pub use module::{RodLaw, RodModule, RodSettings, TipLoad};
+pub use module::{RodLaw, RodModule};
 pub(crate) use motion::{Frame, LogVariation};
+pub use settings::{RodSettings, TipLoad};
 pub use table::{SectionTable, TableError, TableGrid};
