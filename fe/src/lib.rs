@@ -13,6 +13,7 @@ pub mod material;
 mod module_map;
 mod module_sweep_error;
 mod numerics;
+mod rigid_motion;
 mod rod;
 mod rod_stiffness;
 mod run;
@@ -21,6 +22,7 @@ mod section_law;
 mod solid;
 mod solid_map;
 mod sparse;
+mod tip_plate;
 
 pub use bending_law::{BendingLaw, BendingResponse, ConstantBending};
 pub use bending_sweep::BendingSweep;
@@ -34,8 +36,7 @@ pub use module_map::{FailedState, ModuleSweep, ModuleSweepReport};
 pub use module_sweep_error::ModuleSweepError;
 pub use numerics::NUMERICS;
 pub use rod::{
-    Configuration, Equilibrium, RodError, RodLaw, RodModule, RodSettings, SectionTable, TableError,
-    TableGrid, TipLoad,
+    Configuration, Equilibrium, RodError, RodLaw, RodModule, RodSettings, SectionTable, TableError, TableGrid,
 };
 pub use rod_stiffness::{RodCompliance, StraightRod};
 pub use run::{Run, Shard};
@@ -47,3 +48,4 @@ pub use solid::{
     StrainAt, StrainFacet, Strains, TipCompliance, write_pvd,
 };
 pub use solid_map::SolidSweep;
+pub use tip_plate::TipLoad;

@@ -1,9 +1,9 @@
-use super::{
-    element::ElementLaw,
-    motion::{Frame, joined},
-    pivots::InvertedBlock,
+use super::element::ElementLaw;
+use crate::{
+    rigid_motion::{Frame, joined},
+    tip_plate::{InvertedBlock, at_arm, shifted, swing},
 };
-use nalgebra::{Matrix3, Matrix6, Matrix6xX, Vector3, Vector6};
+use nalgebra::{Matrix6, Matrix6xX, Vector3, Vector6};
 
 /// Columns carried through the elimination: the gradient and, where sensitivities are asked for, its derivatives with respect
 /// to the factor on the bending stiffness and to the pressure of each member.
@@ -38,17 +38,6 @@ pub(super) struct Assembly {
     diagonal: Vec<Matrix6<f64>>,
     /// Between nodes k and k + 1, for k from 1.
     upper: Vec<Matrix6<f64>>,
-}
-
-/// Motion at an arm for a motion of a frame, both in the frame's directions: v - arm x w, w.
-fn at_arm(arm: &Vector3<f64>) -> Matrix6<f64> {
-    let mut matrix = Matrix6::identity();
-    matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&-arm.cross_matrix());
-    matrix
-}
-
-fn shifted(frame: &Frame, arm: &Vector3<f64>) -> Frame {
-    Frame { rotation: frame.rotation, position: frame.position + frame.rotation * arm }
 }
 
 impl Member<'_> {
@@ -193,15 +182,10 @@ impl Chain<'_> {
     }
 }
 
-/// A weight hung on a frame: energy -w.x, its gradient and second derivatives. With G = -R^T w the gradient is (G, 0); a frame
-/// moved by exp(xi) also swings, which makes the second derivative v.(G x w)/2 twice.
+/// A weight hung on a frame: energy -w.x, its gradient (-R^T w, 0) and second derivatives.
 fn hung(weight: &Vector3<f64>, at: &Frame) -> (f64, Vector6<f64>, Matrix6<f64>) {
     let pull = -at.rotation.inverse_transform_vector(weight);
-    let half: Matrix3<f64> = pull.cross_matrix() * 0.5;
-    let mut block = Matrix6::zeros();
-    block.fixed_view_mut::<3, 3>(0, 3).copy_from(&half);
-    block.fixed_view_mut::<3, 3>(3, 0).copy_from(&half.transpose());
-    (-weight.dot(&at.position), joined(pull, Vector3::zeros()), block)
+    (-weight.dot(&at.position), joined(pull, Vector3::zeros()), swing(&pull))
 }
 
 impl Condensed {

@@ -1,4 +1,4 @@
-use super::motion::{Frame, LogVariation, joined};
+use crate::rigid_motion::{Frame, LogVariation, joined};
 use crate::{BendingLaw, BendingResponse, SectionLaw};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 

@@ -1,8 +1,5 @@
 use super::*;
-use crate::{
-    ThickTube,
-    rod::{motion::joined, specimens::free},
-};
+use crate::{ThickTube, rigid_motion::joined, rod::specimens::free};
 use actuator::Handedness;
 use nalgebra::UnitQuaternion;
 

@@ -1,12 +1,11 @@
 use super::{
     chain::{Chain, Condensed},
     module::RodModule,
-    motion::Frame,
     path::Loads,
-    plate::Plate,
 };
-use actuator::{ModuleState, PoseChart, units::STANDARD_GRAVITY};
-use nalgebra::{Vector3, Vector6};
+use crate::{rigid_motion::Frame, tip_plate::Plate};
+use actuator::{ModuleState, PoseChart};
+use nalgebra::Vector6;
 use std::fmt;
 
 /// Where every cross-section of a module is.
@@ -139,13 +138,13 @@ impl RodModule {
         };
         let system = self.assemble(&chains, &shape, loads, true).ok_or_else(singular)?;
         let factored = self.factorise(&chains, &shape, &system).ok_or_else(singular)?;
-        let slope = |load: Vector6<f64>| shape.plate.chart_slope(&-(factored.inverse * self.free_part(load)));
+        let slope =
+            |load: Vector6<f64>| shape.plate.chart_slope(&-(factored.inverse * self.tip.free_part(load)));
         let column = |index: usize, chain: &Condensed| -> Vector6<f64> {
             factored.plate.first.transpose() * chain.columns.column(index)
         };
-        let gravity = Vector3::from(self.module.base.gravity) * -STANDARD_GRAVITY;
         let slopes = [
-            slope(Vector6::new(gravity.x, gravity.y, gravity.z, 0.0, 0.0, 0.0)),
+            slope(-self.tip.load_per_payload),
             slope(factored.condensed.iter().map(|chain| column(Chain::BENDING_COLUMN, chain)).sum()),
         ];
         let mut pressure_jacobian = vec![[0.0; 6]; self.laws.len()];

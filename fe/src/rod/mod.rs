@@ -10,10 +10,7 @@ mod equilibrium;
 mod module;
 #[cfg(test)]
 mod module_tests;
-mod motion;
 mod path;
-mod pivots;
-mod plate;
 mod settings;
 #[cfg(test)]
 mod specimens;
@@ -22,6 +19,8 @@ mod table;
 
 pub use equilibrium::{Configuration, Equilibrium, RodError};
 pub use module::{RodLaw, RodModule};
-pub(crate) use motion::{Frame, LogVariation};
-pub use settings::{RodSettings, TipLoad};
+pub use settings::RodSettings;
 pub use table::{SectionTable, TableError, TableGrid};
+
+#[cfg(test)]
+use crate::TipLoad;

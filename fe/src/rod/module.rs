@@ -2,11 +2,13 @@ use super::{
     chain::{Chain, Member},
     element::ElementLaw,
     equilibrium::{Configuration, RodError},
-    motion::Frame,
-    plate::Plate,
     settings::RodSettings,
 };
-use crate::{BendingLaw, SectionLaw};
+use crate::{
+    BendingLaw, SectionLaw,
+    rigid_motion::Frame,
+    tip_plate::{GuidedPlate, Plate},
+};
 use actuator::{Module, units::STANDARD_GRAVITY};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::sync::Arc;
@@ -31,6 +33,7 @@ pub struct RodModule {
     pub(super) module: Module,
     pub(super) laws: Vec<RodLaw>,
     pub(super) settings: RodSettings,
+    pub(super) tip: GuidedPlate,
     /// Shear stiffness of the stiffest FREE, N, and its outer radius, m: what residuals are relative to.
     pub(super) reference: (f64, f64),
 }
@@ -57,7 +60,8 @@ impl RodModule {
             let shear = placed.free.elastomer.initial_shear_modulus() * tube.wall_area();
             if shear > force { (shear, tube.outer_radius()) } else { (force, radius) }
         });
-        Ok(RodModule { module: module.clone(), laws, settings, reference })
+        let tip = GuidedPlate::new(module, &settings.tip_load);
+        Ok(RodModule { module: module.clone(), laws, settings, tip, reference })
     }
 
     /// The laws of each FREE.

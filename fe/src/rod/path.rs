@@ -2,9 +2,9 @@ use super::{
     chain::Chain,
     equilibrium::{Configuration, Equilibrium, RodError},
     module::RodModule,
-    plate::Plate,
     system::Factored,
 };
+use crate::tip_plate::Plate;
 use nalgebra::{Vector3, Vector6};
 
 /// Relative residual of a converged state; rounding leaves about 1e-12.

@@ -1,3 +1,5 @@
+use crate::TipLoad;
+
 /// How finely and how stiff a module is modelled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RodSettings {
@@ -27,14 +29,4 @@ impl RodSettings {
             self.elements
         )
     }
-}
-
-/// A constant load on the tip plate.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TipLoad {
-    /// Force on the plate's centre in the base frame, N.
-    pub force: [f64; 3],
-    /// Moments that do work on bend x, bend y and twist of the pose chart, N m: in a plane motion the moment about that axis.
-    /// (A moment of constant direction in space would have no energy.)
-    pub moment: [f64; 3],
 }

@@ -3,11 +3,9 @@ use super::{
     equilibrium::Configuration,
     module::RodModule,
     path::Loads,
-    pivots::InvertedBlock,
-    plate::{Plate, PlateVariation},
 };
-use actuator::units::STANDARD_GRAVITY;
-use nalgebra::{Matrix6, Vector3, Vector6};
+use crate::tip_plate::{InvertedBlock, Plate, PlateVariation};
+use nalgebra::{Matrix6, Vector6};
 
 /// Energy, gradient and tangent of a module in a configuration.
 pub(super) struct System {
@@ -42,7 +40,7 @@ impl RodModule {
         for (chain, inner) in chains.iter().zip(&shape.inner) {
             assemblies.push(chain.assemble(inner, &frame, &loads.pressures, sensitivities)?);
         }
-        let load_gradient = -self.plate_load() * loads.part;
+        let load_gradient = -self.tip.load * loads.part;
         let energy = assemblies.iter().map(|chain| chain.energy).sum::<f64>()
             + load_gradient.dot(&(shape.plate.0 - self.straight_plate()));
         let mut system = System { energy, chains: assemblies, load_gradient, residual: 0.0 };
@@ -53,20 +51,12 @@ impl RodModule {
         };
         let inner = system.chains.iter().flat_map(|chain| &chain.columns[..chain.columns.len() - 1]);
         let inner = inner.map(|columns| size(columns.column(0).into())).fold(0.0, f64::max);
-        system.residual = size(self.free_part(self.gradient(chains, shape, &system))).max(inner);
+        system.residual = size(self.tip.free_part(self.gradient(chains, shape, &system))).max(inner);
         system.residual.is_finite().then_some(system)
     }
 
     fn straight_plate(&self) -> Vector6<f64> {
         Plate::at_height(self.module.length()).0
-    }
-
-    /// Generalised forces on the plate's coordinates of weight and tip load.
-    fn plate_load(&self) -> Vector6<f64> {
-        let (tip, base, load) = (&self.module.tip, &self.module.base, &self.settings.tip_load);
-        let weight = Vector3::from(base.gravity) * (STANDARD_GRAVITY * (tip.plate_mass + tip.payload));
-        let ([fx, fy, fz], [mx, my, mz]) = (load.force, load.moment);
-        Vector6::new(weight.x + fx, weight.y + fy, weight.z + fz, mx, my, mz)
     }
 
     /// Gradient of the energy in the plate's coordinates.
@@ -76,15 +66,6 @@ impl RodModule {
             chain.to_tip().transpose() * at_tip
         });
         shape.plate.vary().first.transpose() * pulls.sum::<Vector6<f64>>() + system.load_gradient
-    }
-
-    pub(super) fn free_part(&self, mut vector: Vector6<f64>) -> Vector6<f64> {
-        for (value, free) in vector.iter_mut().zip(self.module.tip.free_dof) {
-            if !free {
-                *value = 0.0;
-            }
-        }
-        vector
     }
 
     pub(super) fn factorise(
@@ -101,17 +82,10 @@ impl RodModule {
         let stiffness: Matrix6<f64> = condensed.iter().map(|chain| chain.stiffness).sum();
         let plain: Vector6<f64> = condensed.iter().map(|chain| chain.plain_gradient).sum();
         let pulled: Vector6<f64> = condensed.iter().map(|chain| chain.columns.column(0).into_owned()).sum();
-        let mut hessian = plate.hessian(&plain, &stiffness);
-        for (i, free) in self.module.tip.free_dof.into_iter().enumerate() {
-            if !free {
-                hessian.row_mut(i).fill(0.0);
-                hessian.column_mut(i).fill(0.0);
-                hessian[(i, i)] = 1.0;
-            }
-        }
-        let InvertedBlock { inverse, negative } = InvertedBlock::new(&hessian)?;
+        let hessian = plate.hessian(&plain, &stiffness);
+        let InvertedBlock { inverse, negative } = self.tip.inverted(&hessian)?;
         let negative = negative + condensed.iter().map(|chain| chain.negative).sum::<u32>();
-        let gradient = self.free_part(plate.first.transpose() * pulled + system.load_gradient);
+        let gradient = self.tip.free_part(plate.first.transpose() * pulled + system.load_gradient);
         Some(Factored { condensed, plate, inverse, gradient, negative })
     }
 }

@@ -1,5 +1,5 @@
 use super::{Block, FibreState, surface::SurfacePoint, trace::Piece};
-use crate::rod::{Frame, LogVariation};
+use crate::rigid_motion::{Frame, LogVariation};
 use actuator::{Fibre, FibreLaw};
 use nalgebra::{Matrix3, Matrix6, Rotation3, SMatrix, UnitQuaternion, Vector3, Vector6};
 

@@ -1,4 +1,4 @@
-use super::motion::{Frame, exponential_coefficients};
+use crate::rigid_motion::{Frame, exponential_coefficients};
 use actuator::PoseChart;
 use nalgebra::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6};
 
@@ -6,10 +6,10 @@ use nalgebra::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6};
 /// `Rz(twist/2) exp(bend) Rz(twist/2)`: the pose chart's rotation, so the twist counts whole turns, and locking a
 /// coordinate means the same on every path. Regular while the bend stays below pi (or, with the twist locked, below 2 pi).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Plate(pub Vector6<f64>);
+pub(crate) struct Plate(pub Vector6<f64>);
 
 /// How the plate's own frame moves with its coordinates.
-pub(super) struct PlateVariation {
+pub(crate) struct PlateVariation {
     /// xi = first dq.
     pub first: Matrix6<f64>,
     rotation: Matrix3<f64>,

@@ -2,7 +2,7 @@ use nalgebra::{Matrix6, Vector6};
 
 /// Inverse of a symmetric 6x6 block and the number of its negative pivots (the number of its negative eigenvalues, by
 /// Sylvester's law).
-pub(super) struct InvertedBlock {
+pub(crate) struct InvertedBlock {
     pub inverse: Matrix6<f64>,
     pub negative: u32,
 }

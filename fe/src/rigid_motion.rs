@@ -15,17 +15,17 @@ pub struct Frame {
 }
 
 /// Translation and rotation halves.
-pub(super) fn halves(d: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
+pub(crate) fn halves(d: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
     (d.fixed_rows::<3>(0).into(), d.fixed_rows::<3>(3).into())
 }
 
-pub(super) fn joined(translation: Vector3<f64>, rotation: Vector3<f64>) -> Vector6<f64> {
+pub(crate) fn joined(translation: Vector3<f64>, rotation: Vector3<f64>) -> Vector6<f64> {
     Vector6::new(translation.x, translation.y, translation.z, rotation.x, rotation.y, rotation.z)
 }
 
 /// `A = (1 - cos)/angle^2` and `B = (angle - sin)/angle^3` with their derivatives in angle^2, as series of `square = angle^2`;
 /// entire functions, and 30 terms hold 13 digits up to a full turn.
-pub(super) fn exponential_coefficients(square: f64) -> [f64; 4] {
+pub(crate) fn exponential_coefficients(square: f64) -> [f64; 4] {
     let (mut a, mut b, mut a1, mut b1) = (0.0, 0.0, 0.0, 0.0);
     // (-square)^k / (2k + 2)! and, for the slopes, its derivative.
     let (mut term, mut slope) = (0.5, 0.0);
@@ -44,7 +44,7 @@ pub(super) fn exponential_coefficients(square: f64) -> [f64; 4] {
 
 impl Frame {
     /// H exp(xi).
-    pub(super) fn moved(&self, xi: &Vector6<f64>) -> Frame {
+    pub(crate) fn moved(&self, xi: &Vector6<f64>) -> Frame {
         let (v, w) = halves(xi);
         let [a, b, ..] = exponential_coefficients(w.norm_squared());
         let shift = v + w.cross(&v) * a + w.cross(&w.cross(&v)) * b;
