@@ -18,6 +18,14 @@ impl Handedness {
             Handedness::Left => -1.0,
         }
     }
+
+    /// The hand of the mirror image.
+    pub fn opposite(self) -> Self {
+        match self {
+            Handedness::Right => Handedness::Left,
+            Handedness::Left => Handedness::Right,
+        }
+    }
 }
 
 /// What a fibre answers to compression.

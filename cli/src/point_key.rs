@@ -41,7 +41,7 @@ pub fn solid(sweep: &SolidSweep, node: &LoadedFree, pressures: &[f64]) -> Result
 
 /// A row of a module's states, by its pressures (Pa). The section tables are made for the map's whole axes.
 pub fn row(sweep: &ModuleSweep, map: &ModuleMap, row: &[Vec<f64>]) -> Result<PointKey, StoreError> {
-    let ModuleSweep { mesh, rods, bending, checks: _, seed: _ } = *sweep;
+    let ModuleSweep { mesh, rods, bending, use_symmetry: _, checks: _, seed: _ } = *sweep;
     let RodSettings { elements, bending_stiffness_scale, tip_load: TipLoad { force, moment } } = rods;
     let rods = (elements, bending_stiffness_scale, force, moment);
     let bending = bending.map(|BendingSweep { planes, lengths, range }| (planes, lengths, range));

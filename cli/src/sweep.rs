@@ -5,8 +5,7 @@ use crate::{
     progress::Progress, table::short,
 };
 use actuator::{
-    Free, FreeMap, FreePath, LoadedFree, MapAxis, Module, ModuleCheck, ModuleMap, ModuleState, Rig,
-    units::KPA,
+    Free, FreeMap, FreePath, LoadedFree, MapAxis, Module, ModuleMap, ModuleState, Rig, units::KPA,
 };
 use fe::{
     CapsReport, FreeSweep, FreeSweepError, FreeSweepReport, ModuleSweep, ModuleSweepReport, Run, Shard,
@@ -85,32 +84,16 @@ impl Sweeping<'_> {
 
     /// Puts stored states into a module's map. Gives how many points of this part are there then.
     pub fn recall_rows(&self, sweep: &ModuleSweep, map: &mut ModuleMap) -> Result<usize, Failure> {
-        let length = map.pressures.last().map_or(1, Vec::len);
-        let (checks, rows) = (sweep.check_pressures(map), map.states.len() / length);
         let (mut there, mut points) = (0, self.points());
-        for row in (0..rows + checks.len()).filter(|row| self.shard.owns(*row)) {
-            let nodes = row * length..(row + 1) * length;
-            let (pressures, is_there) = match row.checked_sub(rows) {
-                None => (
-                    nodes.clone().map(|node| map.node_pressures(node)).collect(),
-                    map.states[nodes.clone()].iter().all(Option::is_some),
-                ),
-                Some(check) => (
-                    vec![checks[check].clone()],
-                    map.checks.iter().any(|there| there.pressures == checks[check]),
-                ),
-            };
-            let key = point_key::row(sweep, map, &pressures).map_err(Failure::file)?;
+        for line in sweep.lines(map, self.shard) {
+            let is_there = !line.is_missing(map);
+            let key = point_key::row(sweep, map, &line.pressures).map_err(Failure::file)?;
             let stored: Option<Vec<ModuleState>> =
                 points.as_mut().and_then(|points| points.find(key, !is_there));
-            let stored = stored.filter(|states| states.len() == pressures.len());
+            let stored = stored.filter(|states| states.len() == line.pressures.len());
             there += usize::from(is_there || stored.is_some());
-            let Some(states) = stored else { continue };
-            for (place, (pressures, state)) in pressures.into_iter().zip(states).enumerate() {
-                match row < rows {
-                    true => map.states[nodes.start + place] = Some(state),
-                    false => map.checks.push(ModuleCheck { pressures, state }),
-                }
+            if let Some(states) = stored {
+                sweep.put(&line, states, map);
             }
         }
         Ok(there)

@@ -1,10 +1,10 @@
 use crate::{
-    BendingLaw, BendingSweep, ConstantBending, Equilibrium, ModuleSweepError, RodError, RodLaw, RodModule,
-    RodSettings, Run, SectionMesh, SectionSolver, SectionTable, Shard, TableError, TableGrid,
-    free_map::next_fraction,
+    BendingLaw, BendingSweep, ConstantBending, Equilibrium, ModuleLine, ModuleSweepError, RodError, RodLaw,
+    RodModule, RodSettings, Run, SectionMesh, SectionSolver, SectionTable, Shard, TableError, TableGrid,
+    TipLoad, free_map::next_fraction,
 };
 use actuator::{
-    Free, FreePath, Handedness, Limits, MapParameter, Module, ModuleCheck, ModuleMap, ModuleState,
+    Free, FreePath, Handedness, Limits, MapParameter, Module, ModuleMap, ModuleState, ModuleSymmetry,
     PAYLOAD_STEP, payload_curvature, units::KPA,
 };
 use std::f64::consts::TAU;
@@ -15,8 +15,8 @@ use std::sync::{
 
 /// How the map of a module is computed: rods with section laws tabulated from the section's finite elements.
 ///
-/// The unit of work is a row, the line of nodes along the last FREE's pressure: its first node is followed from rest, the others
-/// one from the other, so that the map depends neither on the number of threads nor on the sharding. Every check is followed
+/// The unit of work is a row, the line of nodes along the last FREE's pressure ([`ModuleLine`]): its first node is followed from rest,
+/// the others one from the other, so that the map depends neither on the number of threads nor on the sharding. Every check is followed
 /// from rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModuleSweep {
@@ -26,6 +26,8 @@ pub struct ModuleSweep {
     pub rods: RodSettings,
     /// How bending and shear stiffness are computed; `None` takes those of the bare tube, 3 mu I and mu A.
     pub bending: Option<BendingSweep>,
+    /// Whether of nodes that a symmetry of the module carries into each other only the first is computed.
+    pub use_symmetry: bool,
     /// Number of states at random pressures, for a fit to be judged by.
     pub checks: usize,
     /// Chooses where the checks lie.
@@ -41,6 +43,7 @@ impl Default for ModuleSweep {
             mesh,
             rods: RodSettings::default(),
             bending: Some(BendingSweep::default()),
+            use_symmetry: true,
             checks: 60,
             seed: 1,
         }
@@ -157,12 +160,13 @@ impl ModuleSweep {
         let SectionMesh { radial, under_fibre, between_fibres } = self.mesh;
         format!(
             "{}; section laws tabulated from half a fibre pitch of {radial} elements through the wall, {under_fibre} under half \
-             a fibre, {between_fibres} beside it, threads spread over all of the surface; bending and shear {}; {} checks, seed {}",
+             a fibre, {between_fibres} beside it, threads spread over all of the surface; bending and shear {}{}; {} checks, seed {}",
             self.rods.describe(),
             match self.bending {
                 Some(sweep) => format!("tabulated from solids at {} pressures", sweep.planes),
                 None => "of the bare tube, 3 mu I and mu A".to_owned(),
             },
+            if self.use_symmetry { "; of nodes alike by symmetry one computed" } else { "" },
             self.checks,
             self.seed
         )
@@ -249,6 +253,29 @@ impl ModuleSweep {
         Ok(Some(laws))
     }
 
+    /// Motions that carry the module, its axes (Pa) and its loads into themselves, where they are used, but the one that moves nothing.
+    fn symmetries(&self, module: &Module, axes: &[Vec<f64>]) -> Vec<ModuleSymmetry> {
+        let TipLoad { force, moment } = self.rods.tip_load;
+        let keeps = |motion: &ModuleSymmetry| motion.vector(force) == force && motion.turns(moment) == moment;
+        let all = module.symmetries().into_iter().filter(|motion| self.use_symmetry && !motion.is_identity());
+        all.filter(|motion| motion.carry(axes) == axes && keeps(motion)).collect()
+    }
+
+    /// The units of work of a part: lines of nodes, of those that symmetry carries into each other one, and checks.
+    pub fn lines(&self, map: &ModuleMap, shard: Shard) -> Vec<ModuleLine> {
+        let symmetries = self.symmetries(&map.module, &map.pressures);
+        let lines = ModuleLine::all(map, &symmetries, &self.check_pressures(map)).into_iter().enumerate();
+        lines.filter(|(index, _)| shard.owns(*index)).map(|(_, line)| line).collect()
+    }
+
+    /// Puts the states of a line into a map, with what symmetry makes of them.
+    pub fn put(&self, line: &ModuleLine, states: Vec<ModuleState>, map: &mut ModuleMap) {
+        let symmetries = self.symmetries(&map.module, &map.pressures);
+        for (place, state) in states.into_iter().enumerate().take(line.pressures.len()) {
+            line.put(place, state, &symmetries, map);
+        }
+    }
+
     /// Pressures (Pa) of the checks: evenly distributed over the box of the map.
     pub fn check_pressures(&self, map: &ModuleMap) -> Vec<Vec<f64>> {
         let mut state = self.seed;
@@ -277,15 +304,11 @@ impl ModuleSweep {
         if map.states.len() != expected {
             return Err(ModuleSweepError::Shape { expected, found: map.states.len() });
         }
-        let length = map.pressures.last().map_or(1, Vec::len);
-        let checks = self.check_pressures(map);
-        let line_of = |row: usize| match row.checked_sub(expected / length) {
-            None => Line::Nodes { first: row * length, length },
-            Some(check) => Line::Check(checks[check].clone()),
-        };
-        let own = (0..expected / length + checks.len()).filter(|row| shard.owns(*row)).map(line_of);
-        let (lines, there): (Vec<Line>, Vec<Line>) = own.partition(|line| line.is_missing(map));
-        let states = |lines: &[Line]| lines.iter().map(Line::states).sum::<usize>();
+        let symmetries = self.symmetries(&map.module, &map.pressures);
+        ModuleLine::spread(&symmetries, map);
+        let own = self.lines(map, shard).into_iter();
+        let (lines, there): (Vec<ModuleLine>, Vec<ModuleLine>) = own.partition(|line| line.is_missing(map));
+        let states = |lines: &[ModuleLine]| lines.iter().map(|line| line.pressures.len()).sum::<usize>();
         let (already, all) = (states(&there), states(&there) + states(&lines));
         (run.progress)(already, all);
         let mut report = ModuleSweepReport { rows_left: lines.len(), ..Default::default() };
@@ -308,95 +331,49 @@ impl ModuleSweep {
         let loaded = RodModule::new(&loaded, rods.laws(), self.rods)?;
 
         let next = AtomicUsize::new(0);
-        let wanted: Vec<Vec<Vec<f64>>> = lines.iter().map(|line| line.pressures(map)).collect();
         let results = Mutex::new((&mut *map, &mut report, already, finished));
         std::thread::scope(|scope| {
             for _ in 0..run.jobs.clamp(1, lines.len()) {
                 scope.spawn(|| {
                     while !run.is_stopped() {
                         let index = next.fetch_add(1, Ordering::Relaxed);
-                        let (Some(line), Some(pressures)) = (lines.get(index), wanted.get(index)) else {
-                            break;
-                        };
+                        let Some(line) = lines.get(index) else { break };
                         let mut last = rest.clone();
                         let follow = |pressures: &Vec<f64>| {
                             last = rods.solve_from(&last, pressures)?;
                             with_payload_curvature(&last, &loaded)
                         };
                         let found: Vec<Result<ModuleState, RodError>> =
-                            pressures.iter().map(follow).collect();
+                            line.pressures.iter().map(follow).collect();
                         let mut results = results.lock().unwrap_or_else(PoisonError::into_inner);
                         let (map, report, done, finished) = &mut *results;
                         if let Ok(states) = found.iter().map(Result::as_ref).collect::<Result<Vec<_>, _>>() {
-                            finished(pressures, &states.into_iter().cloned().collect::<Vec<_>>());
+                            finished(&line.pressures, &states.into_iter().cloned().collect::<Vec<_>>());
                         }
-                        line.store(pressures, found, map, report);
+                        for (place, state) in found.into_iter().enumerate() {
+                            match state {
+                                Ok(state) => {
+                                    report.computed += 1;
+                                    report.buckled += usize::from(state.negative_pivots > 0);
+                                    line.put(place, state, &symmetries, map);
+                                }
+                                Err(error) => {
+                                    let pressures = line.pressures[place].clone();
+                                    report.failed.push(FailedState { pressures, error });
+                                }
+                            }
+                        }
                         report.rows_left -= 1;
-                        *done += line.states();
+                        *done += line.pressures.len();
                         (run.progress)(*done, all);
                     }
                 });
             }
         });
         // In the order of the points, whichever thread was first.
+        let checks = self.check_pressures(map);
         map.checks.sort_by_key(|check| checks.iter().position(|pressures| *pressures == check.pressures));
         Ok(report)
-    }
-}
-
-/// A unit of work.
-enum Line {
-    Nodes { first: usize, length: usize },
-    Check(Vec<f64>),
-}
-
-impl Line {
-    fn is_missing(&self, map: &ModuleMap) -> bool {
-        match self {
-            Line::Nodes { first, length } => map.states[*first..first + length].iter().any(Option::is_none),
-            Line::Check(pressures) => map.checks.iter().all(|check| check.pressures != *pressures),
-        }
-    }
-
-    fn pressures(&self, map: &ModuleMap) -> Vec<Vec<f64>> {
-        match self {
-            Line::Nodes { first, length } => {
-                (*first..first + length).map(|node| map.node_pressures(node)).collect()
-            }
-            Line::Check(pressures) => vec![pressures.clone()],
-        }
-    }
-
-    fn states(&self) -> usize {
-        match self {
-            Line::Nodes { length, .. } => *length,
-            Line::Check(_) => 1,
-        }
-    }
-
-    fn store(
-        &self,
-        pressures: &[Vec<f64>],
-        found: Vec<Result<ModuleState, RodError>>,
-        map: &mut ModuleMap,
-        report: &mut ModuleSweepReport,
-    ) {
-        for (place, (pressures, state)) in pressures.iter().zip(found).enumerate() {
-            let pressures = pressures.clone();
-            let state = match state {
-                Ok(state) => state,
-                Err(error) => {
-                    report.failed.push(FailedState { pressures, error });
-                    continue;
-                }
-            };
-            report.computed += 1;
-            report.buckled += usize::from(state.negative_pivots > 0);
-            match self {
-                Line::Nodes { first, .. } => map.states[first + place] = Some(state),
-                Line::Check(_) => map.checks.push(ModuleCheck { pressures, state }),
-            }
-        }
     }
 }
 
