@@ -86,6 +86,10 @@ pub struct Map {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=1000))]
     nodes: Option<u64>,
 
+    /// Compute every node of a module's map, also those that its symmetry makes of others
+    #[arg(long)]
+    no_symmetry: bool,
+
     /// Paths (FREE) or states (module) between the nodes that a fit will be judged by (2 for solids)
     #[arg(long, value_name = "N")]
     checks: Option<usize>,
@@ -205,6 +209,9 @@ impl Map {
             (Description::Module(_), Some(Fidelity::Section)) => {
                 usage("--fidelity section is for single FREEs; a module's map is made by --fidelity rod")
             }
+            (Description::Free(_), _) if self.no_symmetry => {
+                usage("--no-symmetry is for modules; leave it out")
+            }
             (Description::Free(_), _) if self.nodes.is_some() => {
                 usage("--nodes is for modules; a FREE's pressures are set by --pressure-step-kpa")
             }
@@ -299,7 +306,8 @@ impl Map {
     }
 
     fn plan_module(&self, rig: &Rig, module: &Module) -> Result<Plan, Failure> {
-        let mut sweep = ModuleSweep { seed: self.seed, ..ModuleSweep::default() };
+        let mut sweep =
+            ModuleSweep { seed: self.seed, use_symmetry: !self.no_symmetry, ..ModuleSweep::default() };
         sweep.checks = self.checks.unwrap_or(sweep.checks);
         let nodes = self.nodes.map_or_else(|| sweep::usual_nodes(module.frees.len()), |nodes| nodes as usize);
         let greatest =
