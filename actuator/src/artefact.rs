@@ -23,11 +23,13 @@ pub struct Kind {
 }
 
 /// A map of a FREE or of a module.
-pub const MAP: Kind = Kind { magic: *b"FREEmap\0", version: 3, name: "map" };
+pub const MAP: Kind = Kind { magic: *b"FREEmap\0", version: 4, name: "map" };
 /// The same as it was written before maps told what computed them.
 pub const MAP_VERSION_1: Kind = Kind { version: 1, ..MAP };
 /// The same before maps had named axes, loads, energies and errors.
 pub const MAP_VERSION_2: Kind = Kind { version: 2, ..MAP };
+/// The same before states of modules told how near their FREEs are to each other.
+pub const MAP_VERSION_3: Kind = Kind { version: 3, ..MAP };
 /// A fitted model.
 pub const MODEL: Kind = Kind { magic: *b"FREEmdl\0", version: 1, name: "model" };
 

@@ -34,6 +34,9 @@ pub struct ModuleState {
     pub negative_pivots: u32,
     /// Relative residual of the equilibrium.
     pub residual: f64,
+    /// Least distance between the surfaces of two FREEs, m; negative where they overlap, since nothing keeps them apart: with contact the
+    /// module would be somewhere else. `None` of a single FREE, or not known.
+    pub gap: Option<f64>,
 }
 
 /// A state off the grid, for a fit to be judged by and never to be fitted.
@@ -66,6 +69,18 @@ pub struct ModuleMap {
     pub settings: String,
     /// Name and text of the description it was made from.
     pub source: (String, String),
+}
+
+impl ModuleState {
+    /// Whether it is an equilibrium that is not stable.
+    pub fn is_buckled(&self) -> bool {
+        self.negative_pivots > 0
+    }
+
+    /// Whether FREEs touch, and in truth would push each other away.
+    pub fn is_in_contact(&self) -> bool {
+        self.gap.is_some_and(|gap| gap < 0.0)
+    }
 }
 
 impl ModuleMap {

@@ -227,6 +227,7 @@ mod tests {
             slopes: vec![[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]],
             negative_pivots: 2,
             residual: 1e-12,
+            gap: Some(1e-3),
         };
         let pose = chart.to_pose();
         for (is_mirror, turn) in [(false, 0.0), (false, FRAC_PI_2), (true, 0.0), (true, 2.0)] {
@@ -239,7 +240,7 @@ mod tests {
             assert!((found.position - position).norm() < 1e-14);
             let rotation = matrix * pose.rotation.to_rotation_matrix().matrix() * matrix.transpose();
             assert!((found.rotation.to_rotation_matrix().matrix() - rotation).amax() < 1e-12, "{motion:?}");
-            assert_eq!((moved.negative_pivots, moved.residual), (2, 1e-12));
+            assert_eq!((moved.negative_pivots, moved.residual, moved.gap), (2, 1e-12, Some(1e-3)));
             // Slopes move as differences of charts do.
             let ahead =
                 PoseChart::from_array(std::array::from_fn(|i| chart.to_array()[i] + state.slopes[0][i]));

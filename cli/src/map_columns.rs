@@ -127,7 +127,7 @@ pub fn free_map(map: &FreeMap) -> Columns {
 /// The map of a module.
 pub fn module_map(map: &ModuleMap) -> Columns {
     let mut head = pressure_header(map.pressures.len());
-    head.extend(POSE_HEADER.split(',').chain(["status"]).map(str::to_owned));
+    head.extend(POSE_HEADER.split(',').chain(["status", "gap_mm"]).map(str::to_owned));
     let mut columns = Columns::new(head, &["status"])
         .about("name", &map.source.0)
         .about("settings", &map.settings)
@@ -138,7 +138,12 @@ pub fn module_map(map: &ModuleMap) -> Columns {
         let status = match state {
             Some(state) => {
                 cells.extend(pose_numbers(&state.chart.to_pose()).map(Cell::Number));
-                if state.negative_pivots == 0 { "converged" } else { "buckled" }
+                match (state.is_buckled(), state.is_in_contact()) {
+                    (false, false) => "converged",
+                    (false, true) => "contact",
+                    (true, false) => "buckled",
+                    (true, true) => "buckled contact",
+                }
             }
             None => {
                 cells.extend([Cell::Empty; 7]);
@@ -146,6 +151,8 @@ pub fn module_map(map: &ModuleMap) -> Columns {
             }
         };
         cells.push(Cell::Word(status));
+        let gap = state.as_ref().and_then(|state| state.gap);
+        cells.push(gap.map_or(Cell::Empty, |gap| Cell::Number(gap / MM)));
         columns.push(&cells);
     }
     columns
@@ -189,9 +196,9 @@ mod tests {
     fn a_module_has_one_row_a_node() {
         let text = module_map(&samples::module_map()).csv();
         let rows: Vec<&str> = text.lines().collect();
-        assert_eq!(rows[0], "p1_kpa,x_mm,y_mm,z_mm,qw,qx,qy,qz,status");
-        assert_eq!(rows[1], "0,0,0,130,1,0,0,0,converged");
-        assert!(rows[2].ends_with(",1,buckled"), "{}", rows[2]);
-        assert_eq!(rows[3], "40,,,,,,,,missing");
+        assert_eq!(rows[0], "p1_kpa,x_mm,y_mm,z_mm,qw,qx,qy,qz,status,gap_mm");
+        assert_eq!(rows[1], "0,0,0,130,1,0,0,0,converged,");
+        assert!(rows[2].ends_with(",1,buckled contact,-1"), "{}", rows[2]);
+        assert_eq!(rows[3], "40,,,,,,,,missing,");
     }
 }

@@ -1,7 +1,9 @@
 //! A map as it lies on disk: of a FREE or of a module.
 
 use crate::failure::Failure;
-use actuator::{FreeMap, FreeMapVersion1, FreeMapVersion2, LoadedFree, ModuleMap, artefact};
+use actuator::{
+    FreeMap, FreeMapVersion1, FreeMapVersion2, LoadedFree, ModuleMap, ModuleMapVersion3, artefact,
+};
 use serde::{Deserialize, Serialize};
 use std::{fs, path::Path};
 
@@ -18,21 +20,37 @@ pub enum MapFile {
 #[derive(Deserialize)]
 enum MapFileVersion1 {
     Free(FreeMapVersion1),
-    Module(ModuleMap),
+    Module(ModuleMapVersion3),
 }
 
 /// The same in files of format version 2.
 #[derive(Deserialize)]
 enum MapFileVersion2 {
     Free(FreeMapVersion2),
-    Module(ModuleMap),
+    Module(ModuleMapVersion3),
+}
+
+/// The same in files of format version 3.
+#[derive(Deserialize)]
+enum MapFileVersion3 {
+    Free(FreeMap),
+    Module(ModuleMapVersion3),
+}
+
+impl From<MapFileVersion3> for MapFile {
+    fn from(old: MapFileVersion3) -> Self {
+        match old {
+            MapFileVersion3::Free(map) => MapFile::Free(map),
+            MapFileVersion3::Module(map) => MapFile::Module(map.into()),
+        }
+    }
 }
 
 impl From<MapFileVersion2> for MapFile {
     fn from(old: MapFileVersion2) -> Self {
         match old {
             MapFileVersion2::Free(map) => MapFile::Free(map.into()),
-            MapFileVersion2::Module(map) => MapFile::Module(map),
+            MapFileVersion2::Module(map) => MapFile::Module(map.into()),
         }
     }
 }
@@ -41,7 +59,7 @@ impl From<MapFileVersion1> for MapFile {
     fn from(old: MapFileVersion1) -> Self {
         match old {
             MapFileVersion1::Free(map) => MapFile::Free(map.into()),
-            MapFileVersion1::Module(map) => MapFile::Module(map),
+            MapFileVersion1::Module(map) => MapFile::Module(map.into()),
         }
     }
 }
@@ -53,6 +71,7 @@ impl MapFile {
         Ok(match artefact::version(&bytes) {
             Some(1) => artefact::from_bytes::<MapFileVersion1>(path, artefact::MAP_VERSION_1, &bytes)?.into(),
             Some(2) => artefact::from_bytes::<MapFileVersion2>(path, artefact::MAP_VERSION_2, &bytes)?.into(),
+            Some(3) => artefact::from_bytes::<MapFileVersion3>(path, artefact::MAP_VERSION_3, &bytes)?.into(),
             _ => artefact::from_bytes(path, artefact::MAP, &bytes)?,
         })
     }
@@ -271,7 +290,7 @@ pub mod samples {
                 chart.position[1] -= 1.5 * placed.position[1] * q;
                 chart.position[2] += 0.003 * q;
             }
-            ModuleState { chart, slopes: vec![[1e-3; 6]], negative_pivots: 0, residual: 1e-12 }
+            ModuleState { chart, slopes: vec![[1e-3; 6]], negative_pivots: 0, residual: 1e-12, gap: None }
         };
         map.states = (0..map.node_count()).map(|node| Some(state(map.node_pressures(node)))).collect();
         map
@@ -285,6 +304,7 @@ pub mod samples {
             slopes: vec![],
             negative_pivots: u32::from(twist > 0.0),
             residual: 1e-12,
+            gap: (twist > 0.0).then_some(-1e-3),
         };
         ModuleMap {
             module: Module {
@@ -334,6 +354,15 @@ mod tests {
         let last = solid.path(1, 0).unwrap().states[4];
         assert!(last.pressure == 2e4 && (last.axial_stretch - 0.9989).abs() < 5e-5 && last.residual < 1e-8);
         assert!((last.middle.unwrap().axial_stretch - 0.9981).abs() < 5e-5);
+
+        // Of a module, in the third: nothing is known of its gaps.
+        let third = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/version-3.map");
+        assert_eq!(artefact::version(&fs::read(&third).unwrap()), Some(3));
+        let pair = MapFile::read(&third).unwrap().into_module().unwrap();
+        assert!(pair.is_complete() && pair.checks.len() == 2 && pair.source.0 == "pair");
+        assert!(pair.states.iter().flatten().all(|state| state.gap.is_none() && state.slopes.len() == 3));
+        let turned = pair.states[2].as_ref().unwrap();
+        assert!((turned.chart.position[2] - 59.01e-3).abs() < 1e-5 && turned.residual < 1e-9);
 
         // What is read is written in the present format, and read again as the same.
         let folder = tempfile::tempdir().unwrap();

@@ -39,7 +39,7 @@ fn fitted(module: &AnalyticModule) -> ModuleModel {
     };
     let state = |node| {
         let chart = chart_at(module, &map.node_pressures(node));
-        Some(ModuleState { chart, slopes: vec![], negative_pivots: 0, residual: 0.0 })
+        Some(ModuleState { chart, slopes: vec![], negative_pivots: 0, residual: 0.0, gap: None })
     };
     map.states = (0..map.node_count()).map(state).collect();
     ModuleModel::fit(&map).unwrap()

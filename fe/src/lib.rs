@@ -38,7 +38,8 @@ pub use module_map::{FailedState, ModuleSweep, ModuleSweepReport};
 pub use module_sweep_error::ModuleSweepError;
 pub use numerics::NUMERICS;
 pub use rod::{
-    Configuration, Equilibrium, RodError, RodLaw, RodModule, RodSettings, SectionTable, TableError, TableGrid,
+    Closest, Configuration, Equilibrium, RodError, RodLaw, RodModule, RodSettings, SectionTable, TableError,
+    TableGrid,
 };
 pub use rod_stiffness::{RodCompliance, StraightRod};
 pub use run::{Run, Shard};

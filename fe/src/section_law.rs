@@ -26,6 +26,16 @@ pub trait SectionLaw: Send + Sync {
         self.respond(pressure, axial_stretch, twist_per_length).energy.is_finite()
     }
 
+    /// Enclosed volume per reference length V = -dPhi/dp, m^2, at constant stretch and twist; by central differences unless a law
+    /// knows better.
+    fn volume(&self, pressure: f64, axial_stretch: f64, twist_per_length: f64) -> f64 {
+        // 10 Pa of the some 1e4 in use: truncation (1e-3)^2, rounding 1e-16/1e-3.
+        const STEP: f64 = 10.0;
+        let [above, below] =
+            [STEP, -STEP].map(|step| self.respond(pressure + step, axial_stretch, twist_per_length).energy);
+        (below - above) / (2.0 * STEP)
+    }
+
     /// dN/dp (m^2) and dM/dp (m^3) at constant stretch and twist; by central differences unless a law knows better.
     fn pressure_slopes(&self, pressure: f64, axial_stretch: f64, twist_per_length: f64) -> [f64; 2] {
         // 10 Pa of the some 1e4 in use: truncation (1e-3)^2, rounding 1e-16/1e-3.

@@ -83,7 +83,7 @@ fn module_model() -> Result<ModuleModel, Box<dyn std::error::Error>> {
             bend: [(p[0] - p[2]) / PRESSURE_MAX, (p[1] - p[3]) / PRESSURE_MAX],
             position: [0.01 * sum.sin(), 0.01 * sum.cos(), 0.17 + 0.01 * sum],
         };
-        Some(ModuleState { chart, slopes: vec![[sum; 6]; 2], negative_pivots: 0, residual: 0.0 })
+        Some(ModuleState { chart, slopes: vec![[sum; 6]; 2], negative_pivots: 0, residual: 0.0, gap: None })
     };
     map.states = (0..map.node_count()).map(state).collect();
     Ok(ModuleModel::fit(&map)?)

@@ -48,6 +48,7 @@ pub fn module_state(pressures: &[f64]) -> ModuleState {
         slopes: vec![payload, stiffness],
         negative_pivots: u32::from(pressures.iter().all(|pressure| *pressure < 1e3)),
         residual: 1e-10,
+        gap: None,
     }
 }
 

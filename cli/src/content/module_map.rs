@@ -16,11 +16,12 @@ impl Content for ModuleMap {
     fn text(&self, path: &Path) -> String {
         let (computed, nodes) = (self.states.iter().flatten().count(), self.states.len());
         let mut text = format!(
-            "{}: map of the module \"{}\", {computed} of {nodes} nodes, {} states for checks, {} buckled\n  {}\n\n",
+            "{}: map of the module \"{}\", {computed} of {nodes} nodes, {} states for checks, {} buckled, {} with FREEs in contact\n  {}\n\n",
             path.display(),
             self.source.0,
             self.checks.len(),
             self.buckled(),
+            self.in_contact(),
             self.settings
         );
         let mut table =
@@ -60,7 +61,7 @@ impl Content for ModuleMap {
         let kpa = |axis: &Vec<f64>| axis.iter().map(|p| p / KPA).collect::<Vec<_>>();
         json!({
             "content": "map", "kind": "module", "name": self.source.0, "settings": self.settings,
-            "buckled": self.buckled(), "checks": self.checks.len(),
+            "buckled": self.buckled(), "in_contact": self.in_contact(), "checks": self.checks.len(),
             "pressures_kpa": self.pressures.iter().map(kpa).collect::<Vec<_>>(),
             "limit_pressures_kpa": self.limit_pressures.iter().map(|p| p.map(|p| p / KPA)).collect::<Vec<_>>(),
         })
@@ -114,6 +115,8 @@ trait Nodes {
     fn line(&self, i: usize) -> Vec<usize>;
     /// Number of states on a buckled branch.
     fn buckled(&self) -> usize;
+    /// Number of states in which FREEs overlap.
+    fn in_contact(&self) -> usize;
 }
 
 impl Nodes for ModuleMap {
@@ -132,7 +135,11 @@ impl Nodes for ModuleMap {
     }
 
     fn buckled(&self) -> usize {
-        self.states.iter().flatten().filter(|state| state.negative_pivots > 0).count()
+        self.states.iter().flatten().filter(|state| state.is_buckled()).count()
+    }
+
+    fn in_contact(&self) -> usize {
+        self.states.iter().flatten().filter(|state| state.is_in_contact()).count()
     }
 }
 
@@ -146,7 +153,9 @@ mod tests {
         let module = samples::module_map();
         let text = module.text(Path::new("a.map"));
         assert!(
-            text.contains("2 of 3 nodes") && text.contains("1 buckled") && text.contains("missing"),
+            text.contains("2 of 3 nodes")
+                && text.contains("1 buckled, 1 with FREEs in contact")
+                && text.contains("missing"),
             "{text}"
         );
         assert_eq!(module.corners(), [0, 2]);

@@ -1,5 +1,6 @@
 use super::{
     chain::{Chain, Condensed},
+    contact::Closest,
     module::RodModule,
     path::Loads,
 };
@@ -43,6 +44,8 @@ pub struct Equilibrium {
     pub energy: f64,
     /// d(chart)/d(pressure) of each FREE, per Pa.
     pub pressure_jacobian: Vec<[f64; 6]>,
+    /// The two FREEs whose surfaces are nearest; `None` of a single FREE.
+    pub closest: Option<Closest>,
 }
 
 /// Why a module has no equilibrium to show.
@@ -153,11 +156,13 @@ impl RodModule {
                 pressure_jacobian[member.free] = slope(column(Chain::pressure_column(place), condensed));
             }
         }
+        let closest = self.closest(&shape, loads);
         let state = ModuleState {
             chart: shape.chart(),
             slopes: slopes.to_vec(),
             negative_pivots: factored.negative,
             residual: system.residual,
+            gap: closest.map(|closest| closest.gap),
         };
         Ok(Equilibrium {
             pressures: loads.pressures.clone(),
@@ -165,6 +170,7 @@ impl RodModule {
             state,
             energy: system.energy,
             pressure_jacobian,
+            closest,
         })
     }
 }

@@ -5,6 +5,7 @@ mod benchmarks;
 #[cfg(test)]
 mod bending_tests;
 mod chain;
+mod contact;
 mod element;
 mod equilibrium;
 mod module;
@@ -17,6 +18,7 @@ mod specimens;
 mod system;
 mod table;
 
+pub use contact::Closest;
 pub use equilibrium::{Configuration, Equilibrium, RodError};
 pub use module::{RodLaw, RodModule};
 pub use settings::RodSettings;

@@ -384,6 +384,14 @@ impl SectionLaw for SectionTable {
             .all(|k| (0..4).all(|corner| self.known[self.index(k, l + corner / 2, s + corner % 2)]))
     }
 
+    fn volume(&self, pressure: f64, axial_stretch: f64, twist_per_length: f64) -> f64 {
+        let sigma = self.sigma(pressure, axial_stretch, twist_per_length);
+        let [by_pressure, ..] = self.local(pressure, axial_stretch, sigma, 1);
+        let [_, _, by_sigma, ..] = self.local(pressure, axial_stretch, sigma, 0);
+        // At constant twist sigma grows by the drift.
+        -by_pressure - self.grid.drift * by_sigma
+    }
+
     fn pressure_slopes(&self, pressure: f64, axial_stretch: f64, twist_per_length: f64) -> [f64; 2] {
         let (shear, drift) = (self.grid.shear, self.grid.drift);
         let sigma = self.sigma(pressure, axial_stretch, twist_per_length);

@@ -61,6 +61,7 @@ fn force_torque_and_stiffness_are_derivatives_of_one_energy() {
         close(along(2, &|r| r.force), here.stiffness[0][1], 2.0, "N_tau");
         close(along(1, &|r| r.torque), here.stiffness[1][0], 2.0, "M_lambda");
         close(along(2, &|r| r.torque), here.stiffness[1][1], 0.01, "M_tau");
+        close(along(0, &|r| r.energy), -table.volume(p, stretch, twist), 1e-4, "V");
         let [force, torque] = table.pressure_slopes(p, stretch, twist);
         close(along(0, &|r| r.force), force, 1e-3, "N_p");
         close(along(0, &|r| r.torque), torque, 1e-5, "M_p");

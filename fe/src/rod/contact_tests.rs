@@ -1,0 +1,81 @@
+use super::*;
+use crate::{
+    SectionLaw, ThickTube,
+    rod::{specimens::*, *},
+};
+use actuator::Handedness;
+
+#[test]
+fn straight_pieces_are_as_near_as_said() {
+    let v = Vector3::new;
+    // Crossing, end to side, end to end, and side by side.
+    let cases = [
+        ([v(-1.0, 0.0, 0.0), v(1.0, 0.0, 0.0)], [v(0.5, -1.0, 2.0), v(0.5, 1.0, 2.0)], 2.0),
+        ([v(-1.0, 0.0, 0.0), v(1.0, 0.0, 0.0)], [v(0.5, 3.0, 0.0), v(0.7, 9.0, 1.0)], 3.0),
+        ([v(-1.0, 0.0, 0.0), v(1.0, 0.0, 0.0)], [v(4.0, 4.0, 0.0), v(9.0, 9.0, 0.0)], 5.0),
+        ([v(0.0, 0.0, 0.0), v(0.0, 0.0, 1.0)], [v(0.3, 0.4, 0.9), v(0.3, 0.4, 2.0)], 0.5),
+    ];
+    for (one, other, distance) in cases {
+        for (a, b) in [(one, other), (other, one), ([one[1], one[0]], other)] {
+            assert!((between(a, b).0 - distance).abs() < 1e-14, "{a:?} {b:?}: {:?}", between(a, b));
+        }
+    }
+}
+
+/// Two circular arcs that bend towards each other: the polylines' gap falls to the arcs' with the square of the pieces.
+#[test]
+fn polylines_become_their_arcs() {
+    let gap = |pieces: usize| {
+        let arc = |side: f64| Tube {
+            points: (0..=pieces)
+                .map(|i| 1.7 * i as f64 / pieces as f64 - 0.75)
+                .map(|angle| Vector3::new(side * (2.0 - angle.cos()), 0.0, angle.sin()))
+                .collect(),
+            radii: vec![0.25; pieces],
+            piece: 1.7 / pieces as f64,
+        };
+        let (gap, along) = arc(1.0).nearest(&arc(-1.0));
+        assert!((along[0] - 0.75).abs() < 0.501 * 1.7 / pieces as f64);
+        gap - 1.5
+    };
+    // The nearest place is in the middle of a piece both times.
+    let [coarse, fine] = [17, 51].map(gap);
+    assert!(((coarse / fine).ln() / 3f64.ln() - 2.0).abs() < 0.01 && fine.abs() < 1e-3, "{coarse} {fine}");
+}
+
+#[test]
+fn straight_frees_touch_when_their_radii_say_so() {
+    let pair = left_right([0.0; 3]);
+    let rods = analytic(&pair, RodSettings::default());
+    let tube = ThickTube::new(&pair.frees[0].free);
+    for pressure in [0.0, 2e4, 4e4] {
+        let found = rods.solve(&[pressure; 4]).unwrap();
+        let closest = found.closest.unwrap();
+        // All lengthen alike and none turns: the section is held against its twist.
+        let stretch = found.state.chart.position[2] / pair.length();
+        let volume = tube.volume(pressure, stretch, 0.0);
+        let free = pair.frees[0].free.tube;
+        let (a, b) = (free.inner_radius, free.outer_radius());
+        let radius = ((volume / PI + b * b - a * a) / stretch).sqrt();
+        assert!((closest.gap - (15e-3 - 2.0 * radius)).abs() < 1e-9, "{closest:?} {radius}");
+        assert_eq!(found.state.gap, Some(closest.gap));
+        // The difference over 10 Pa either way sees half of what they widen a slack tube by.
+        assert!(pressure > 0.0 || (radius / b - 1.0).abs() < 2e-5, "{radius}");
+    }
+    let single = module(vec![at(free(30.0, Handedness::Right), 0.0, 0.0)]);
+    assert_eq!(analytic(&single, RodSettings::default()).solve(&[2e4]).unwrap().state.gap, None);
+}
+
+/// A free FREE's outer radius is the section's own.
+#[test]
+fn the_radius_is_the_sections_expansion() {
+    let free = free(40.0, Handedness::Right);
+    let rods = analytic(&module(vec![at(free, 0.0, 0.0)]), RodSettings::default());
+    let found = rods.solve(&[4e4]).unwrap();
+    let loads = Loads { pressures: vec![4e4], part: 1.0 };
+    let expansion = ThickTube::new(&free).free_state(4e4).unwrap().expansion;
+    assert!(expansion > 1.1);
+    for radius in &rods.tubes(&found.configuration, &loads)[0].radii {
+        assert!((radius / free.tube.outer_radius() / expansion - 1.0).abs() < 1e-6, "{radius} {expansion}");
+    }
+}
