@@ -5,7 +5,7 @@ use crate::{
     progress::Progress, table::short,
 };
 use actuator::{
-    Free, FreeMap, FreePath, LoadedFree, MapAxis, Module, ModuleMap, ModuleState, Rig, units::KPA,
+    EndLoad, Free, FreeMap, FreePath, LoadedFree, MapAxis, Module, ModuleMap, ModuleState, Rig, units::KPA,
 };
 use fe::{
     CapsReport, FreeSweep, FreeSweepError, FreeSweepReport, ModuleSweep, ModuleSweepReport, Run, Shard,
@@ -139,9 +139,9 @@ pub fn processors() -> usize {
 
 /// Limit pressure (Pa) of a FREE, where it has one.
 fn limit_pressure(free: &Free) -> Result<Option<f64>, Failure> {
-    let path = fe::SectionSolver::new(free, fe::SectionMesh::default())
-        .and_then(|mut solver| solver.path(&[0.0], 0));
-    path.map(|path| path.limit_pressure()).map_err(|error| Failure::new(Exit::NotConverged, error))
+    let limit = fe::SectionSolver::new(free, fe::SectionMesh::default())
+        .and_then(|mut solver| solver.limit_pressure(EndLoad::NONE));
+    limit.map_err(|error| Failure::new(Exit::NotConverged, error))
 }
 
 /// Pressures per FREE that make a map of about 2500 nodes.

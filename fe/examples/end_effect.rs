@@ -41,7 +41,7 @@ fn michigan(angle: f64, length_mm: f64) -> Free {
 /// The section's path with states at the shares of its limit pressure (or of 0.35 mu without one), and the pressures of those.
 fn section(free: &Free, shares: &[f64]) -> Result<(FreePath, Vec<f64>), Box<dyn std::error::Error>> {
     let mut solver = SectionSolver::new(free, FreeSweep::default().mesh)?;
-    let limit = solver.path(&[0.0], 0)?.limit_pressure().unwrap_or(0.35 * free.elastomer.shear_modulus());
+    let limit = solver.limit_pressure(EndLoad::NONE)?.unwrap_or(0.35 * free.elastomer.shear_modulus());
     let mut pressures = vec![0.0];
     pressures.extend(shares.iter().map(|share| share * limit));
     Ok((solver.path(&pressures, 0)?, pressures))
@@ -58,7 +58,7 @@ fn solid(
     pressures: &[f64],
 ) -> Result<FreePath, Box<dyn std::error::Error>> {
     let mut solver = solver(free, mesh.unwrap_or_else(|| SolidSweep::usual_mesh(free)))?;
-    let limit = SectionSolver::new(free, SectionMesh::default())?.path(&[0.0], 0)?.limit_pressure();
+    let limit = SectionSolver::new(free, SectionMesh::default())?.limit_pressure(EndLoad::NONE)?;
     Ok(solver.free_path(EndLoad::NONE, pressures, limit, &mut || true)?)
 }
 

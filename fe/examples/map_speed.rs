@@ -7,24 +7,12 @@
 //! The paper's tube at 8 winding angles, 9 shear moduli and 60 pressures, alternately on one thread and on two, so that both see the
 //! same machine. Checks are left out: all work is on the nodes.
 
-use actuator::{
-    Elastomer, Fibre, FibreLaw, Free, FreeMap, Handedness, MapAxis, OgdenForm, Tube, Winding, units::*,
-};
+use actuator::{FreeMap, MapAxis, Rig, units::*};
 use fe::{FreeSweep, Run, Shard};
-use std::{error::Error, sync::atomic::AtomicBool, time::Instant};
+use std::{error::Error, path::Path, sync::atomic::AtomicBool, time::Instant};
 
-fn paper() -> Free {
-    let fibre = Fibre { axial_stiffness: 644.0, diameter: 0.15 * MM, law: FibreLaw::Linear };
-    Free {
-        tube: Tube { length: 130.0 * MM, inner_radius: 4.76 * MM, wall: 0.8 * MM },
-        winding: Winding::from_hoop(30.0 * DEG, Handedness::Right, 6, fibre),
-        elastomer: Elastomer::Ogden {
-            shear_modulus: 0.393 * MPA,
-            alpha: 1.2,
-            form: OgdenForm::InitialModulus,
-        },
-    }
-}
+/// The paper's FREE.
+const PAPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/actuators/buffinton-2020.toml");
 
 /// The map, and the seconds that it took.
 fn computed(jobs: usize) -> Result<(FreeMap, f64), Box<dyn Error>> {
@@ -33,7 +21,12 @@ fn computed(jobs: usize) -> Result<(FreeMap, f64), Box<dyn Error>> {
     let moduli = (2..=10).map(|i| 0.1 * f64::from(i) * MPA).collect();
     let pressures = (0..60).map(|i| f64::from(i) * KPA).collect();
     let axes = MapAxis::of_angles_and_moduli(angles, moduli);
-    let mut map = sweep.empty_map(paper().into(), axes, pressures, Default::default())?;
+    let mut map = sweep.empty_map(
+        Rig::read(Path::new(PAPER))?.frees()[0].into(),
+        axes,
+        pressures,
+        Default::default(),
+    )?;
     let run = Run { jobs, progress: &|_, _| {}, stop: &AtomicBool::new(false) };
     let start = Instant::now();
     let report = sweep.fill(&mut map, Shard::WHOLE, &run, &mut |_, _| {})?;

@@ -1,49 +1,8 @@
+use crate::PressureUnit;
 use actuator::{FreePath, FreeState, Middle};
 
 /// Points of the polynomial between which an end effect is interpolated.
 const POINTS: usize = 4;
-
-/// What a pressure is measured by, so that end effects of FREEs of other shear moduli can be compared.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PressureUnit {
-    /// Limit pressure of the section, Pa. The coordinate of a path is s = 1 - sqrt(1 - p/p_limit), in which states are smooth up
-    /// to the limit point.
-    Limit(f64),
-    /// Shear modulus, Pa, of a section without limit pressure. The coordinate is s = p/mu.
-    Modulus(f64),
-}
-
-impl PressureUnit {
-    /// The unit of a section's path, for a rubber of shear modulus `shear_modulus` (Pa).
-    pub fn of(section: &FreePath, shear_modulus: f64) -> Self {
-        section.limit_pressure().map_or(PressureUnit::Modulus(shear_modulus), PressureUnit::Limit)
-    }
-
-    /// The coordinate s of a pressure (Pa); NaN above a limit pressure.
-    pub fn coordinate(self, pressure: f64) -> f64 {
-        match self {
-            // The section's limit state is known to 1e-10 or so.
-            PressureUnit::Limit(limit) if pressure <= limit * (1.0 + 1e-9) => {
-                1.0 - (1.0 - pressure / limit).max(0.0).sqrt()
-            }
-            PressureUnit::Limit(_) => f64::NAN,
-            PressureUnit::Modulus(modulus) => pressure / modulus,
-        }
-    }
-
-    /// The pressure (Pa) of a coordinate.
-    pub fn pressure(self, s: f64) -> f64 {
-        match self {
-            PressureUnit::Limit(limit) => limit * (1.0 - (1.0 - s) * (1.0 - s)),
-            PressureUnit::Modulus(modulus) => modulus * s,
-        }
-    }
-
-    /// Whether paths in the two units can be compared: both have a limit, or neither.
-    pub fn is_like(self, other: Self) -> bool {
-        std::mem::discriminant(&self) == std::mem::discriminant(&other)
-    }
-}
 
 /// What both rigid caps together change of a FREE, at one pressure.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -270,7 +229,7 @@ mod tests {
         let two = effect(&other, PressureUnit::Limit(4e4));
         assert!((one.difference(&two) - 0.1).abs() < 1e-9);
         assert!((one.between(&two, 0.5, 1.0).unwrap().turn - 0.525).abs() < 1e-9);
-        assert_eq!(one.difference(&effect(&path, PressureUnit::Modulus(4e5))), f64::INFINITY);
-        assert_eq!(PressureUnit::Modulus(4e5).coordinate(1e5), 0.25);
+        assert_eq!(one.difference(&effect(&path, PressureUnit::Other(4e5))), f64::INFINITY);
+        assert_eq!(PressureUnit::Other(4e5).coordinate(1e5), 0.25);
     }
 }

@@ -14,6 +14,7 @@ mod module_line;
 mod module_map;
 mod module_sweep_error;
 mod numerics;
+mod pressure_unit;
 mod rigid_motion;
 mod rod;
 mod rod_stiffness;
@@ -30,13 +31,14 @@ pub use bending_sweep::BendingSweep;
 pub use bending_table::{BendingPlane, BendingSample, BendingTable};
 pub use capped_map::{CappedSweep, CapsReport};
 pub use closed_form::{ClosedFormError, ThickTube};
-pub use end_effect::{EndChange, EndEffect, PressureUnit};
+pub use end_effect::{EndChange, EndEffect};
 pub use free_map::FreeSweep;
 pub use free_sweep::{FailedPath, FreeSweepError, FreeSweepReport, PathError};
 pub use module_line::ModuleLine;
 pub use module_map::{FailedState, ModuleSweep, ModuleSweepReport};
 pub use module_sweep_error::ModuleSweepError;
 pub use numerics::NUMERICS;
+pub use pressure_unit::PressureUnit;
 pub use rod::{
     Closest, Configuration, Equilibrium, RodError, RodLaw, RodModule, RodSettings, SectionTable, TableError,
     TableGrid,

@@ -181,7 +181,7 @@ impl SolidSweep {
 /// prescribed.
 fn section_limit(node: &LoadedFree) -> Option<f64> {
     let mut solver = SectionSolver::new(&node.free, SectionMesh::default()).ok()?;
-    solver.path_under(node.load, &[0.0], 0).ok()?.limit_pressure()
+    solver.limit_pressure(node.load).ok()?
 }
 
 #[cfg(test)]

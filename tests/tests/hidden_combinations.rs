@@ -1,6 +1,6 @@
 //! The model of a section map at winding angles, moduli and pressures that its fit never saw, against the solid FE of the same tube.
 
-use actuator::{Description, Rig, units::*};
+use actuator::{Description, EndLoad, Rig, units::*};
 use fe::SolidSweep;
 use freeact_tests::{Table, data, freeact_in};
 use std::fs;
@@ -37,7 +37,7 @@ fn the_model_of_a_section_map_is_the_middle_of_the_solid() {
     for [angle, modulus, share] in HIDDEN {
         let node = free.at(angle * DEG, modulus * MPA);
         let mut section = fe::SectionSolver::new(&node, fe::SectionMesh::default()).expect("a section");
-        let limit = section.path(&[0.0], 0).expect("a path").limit_pressure().expect("a limit");
+        let limit = section.limit_pressure(EndLoad::NONE).expect("a path").expect("a limit");
         let pressure = share * limit;
         asked += &format!("{angle},{modulus},{}\n", pressure / KPA);
         let steps: Vec<f64> = (0..=3).map(|i| pressure * f64::from(i) / 3.0).collect();

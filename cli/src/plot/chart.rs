@@ -1,6 +1,6 @@
 use super::{
     curves::{self, shape},
-    drawing::{self, Drawing, Drawn, SIZE},
+    drawing::{self, Drawing, Drawn, SIZE, Stroke},
     font::FAMILY,
     mark::{Mark, PALETTE, Series},
     scale::{TICKS, decimals, label, range_of},
@@ -37,22 +37,16 @@ pub struct Chart {
 }
 
 impl Drawing for Chart {
-    fn draw<B: DrawingBackend>(&self, root: &DrawingArea<B, Shift>, on_white: bool) -> Drawn<()>
+    fn draw<B: DrawingBackend>(&self, root: &DrawingArea<B, Shift>) -> Stroke<B>
     where
         B::ErrorType: 'static,
     {
-        let drawn = || -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
-            if on_white {
-                root.fill(&WHITE)?;
-            }
-            let (plot, legend) = self.split(root);
-            self.draw_plot(&plot)?;
-            match legend {
-                Some(legend) => self.draw_legend(&legend),
-                None => Ok(()),
-            }
-        };
-        drawn().map_err(|error| error.to_string().into())
+        let (plot, legend) = self.split(root);
+        self.draw_plot(&plot)?;
+        match legend {
+            Some(legend) => self.draw_legend(&legend),
+            None => Ok(()),
+        }
     }
 }
 
@@ -118,10 +112,7 @@ impl Chart {
         (widen(x, pixels.0), widen(y, pixels.1))
     }
 
-    fn draw_plot<B: DrawingBackend>(
-        &self,
-        area: &DrawingArea<B, Shift>,
-    ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+    fn draw_plot<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Stroke<B> {
         let (margin, below, left) = (12, 46, 74);
         let titled;
         let (area, caption) = match self.subtitle.is_empty() {
@@ -165,10 +156,7 @@ impl Chart {
         curves::draw(&mut chart, &self.series, None)
     }
 
-    fn draw_legend<B: DrawingBackend>(
-        &self,
-        area: &DrawingArea<B, Shift>,
-    ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+    fn draw_legend<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Stroke<B> {
         let text = (FAMILY, LABEL).into_font().color(&INK);
         let mut y = 52;
         for line in self.legend.lines() {

@@ -1,6 +1,7 @@
 //! Series drawn into a chart's or a field's plane.
 
 use super::{
+    drawing::Stroke,
     font::FAMILY,
     mark::{Mark, PALETTE, Series},
 };
@@ -10,14 +11,12 @@ use plotters::{
     style::text_anchor::{HPos, Pos, VPos},
 };
 
-type Outcome<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
-
 /// Draws the series; a colour that is not given is `first` and those after it.
 pub fn draw<B: DrawingBackend>(
     chart: &mut ChartContext<'_, B, Cartesian2d<RangedCoordf64, RangedCoordf64>>,
     series: &[Series],
     ink: Option<RGBColor>,
-) -> Outcome<B> {
+) -> Stroke<B> {
     for (place, series) in series.iter().enumerate() {
         let index = series.colour.unwrap_or(place);
         let colour = ink.unwrap_or(PALETTE[index % PALETTE.len()]);

@@ -1,6 +1,6 @@
 use super::{
     curves,
-    drawing::{self, Drawing, Drawn, SIZE},
+    drawing::{self, Drawing, Drawn, SIZE, Stroke},
     font::FAMILY,
     mark::Series,
     scale::{decimals, label, range_of},
@@ -72,19 +72,13 @@ fn two_figures(value: f64) -> String {
 }
 
 impl Drawing for Field {
-    fn draw<B: DrawingBackend>(&self, root: &DrawingArea<B, Shift>, on_white: bool) -> Drawn<()>
+    fn draw<B: DrawingBackend>(&self, root: &DrawingArea<B, Shift>) -> Stroke<B>
     where
         B::ErrorType: 'static,
     {
-        let drawn = || -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
-            if on_white {
-                root.fill(&WHITE)?;
-            }
-            let (plot, bar) = root.split_horizontally(SIZE.0 - BAR.0);
-            self.draw_patches(&plot)?;
-            self.draw_bar(&bar)
-        };
-        drawn().map_err(|error| error.to_string().into())
+        let (plot, bar) = root.split_horizontally(SIZE.0 - BAR.0);
+        self.draw_patches(&plot)?;
+        self.draw_bar(&bar)
     }
 }
 
@@ -130,10 +124,7 @@ impl Field {
         drawing::write(self, self.svg(), directory, stem)
     }
 
-    fn draw_patches<B: DrawingBackend>(
-        &self,
-        area: &DrawingArea<B, Shift>,
-    ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+    fn draw_patches<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Stroke<B> {
         let (margin, below, left) = (12, 46, 74);
         let titled;
         let (area, caption) = match self.subtitle.is_empty() {
@@ -200,10 +191,7 @@ impl Field {
         if low < high { low..high } else { 0.0..1.0 }
     }
 
-    fn draw_bar<B: DrawingBackend>(
-        &self,
-        area: &DrawingArea<B, Shift>,
-    ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+    fn draw_bar<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Stroke<B> {
         let (_, top, bottom) = BAR;
         for y in top..bottom {
             let share = f64::from(bottom - y) / f64::from(bottom - top);

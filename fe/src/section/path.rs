@@ -6,6 +6,7 @@ use super::{
     solver::Units,
     station::{Station, Walker},
 };
+use crate::PressureUnit;
 use actuator::{FreePath, FreeState, PathEnd, SectionConstants};
 
 /// First step of the enclosed volume, as a share of the volume at rest.
@@ -108,10 +109,9 @@ impl Path {
         wanted.retain(|pressure| *pressure < end_pressure);
         let all_reached = wanted.len() > request.pressures.len();
         if self.end == PathEnd::LimitPoint {
-            wanted.extend((1..=request.extra_states).map(|i| {
-                let s = i as f64 / (request.extra_states + 1) as f64;
-                end_pressure * (1.0 - (1.0 - s) * (1.0 - s))
-            }));
+            let spaces = (request.extra_states + 1) as f64;
+            let at = |i| PressureUnit::Limit(end_pressure).pressure(i as f64 / spaces);
+            wanted.extend((1..=request.extra_states).map(at));
         }
         wanted.sort_by(f64::total_cmp);
         // An extra state that falls on a pressure asked for would be the same state again.

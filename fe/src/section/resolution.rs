@@ -1,5 +1,6 @@
 //! Whether the states of a path are dense enough to be interpolated.
 
+use crate::PressureUnit;
 use actuator::{FreeState, PathEnd};
 
 /// States nearer to each other than this are not interpolated between, nor is one put there: their rounding would be a slope.
@@ -13,26 +14,18 @@ const LEAST_CHANGE: f64 = 1e-4;
 
 /// States of a path in the coordinate in which they are smooth.
 struct Trace {
-    /// s = 1 - sqrt(1 - p/p_limit); p over the last pressure where there is no limit.
+    /// Coordinates s of the pressures, p over the last pressure where there is no limit.
     places: Vec<f64>,
     /// Stretch, expansion and twist, over their greatest change along the path.
     values: Vec<[f64; 3]>,
 }
 
-/// Place of a pressure.
-fn place(pressure: f64, last: f64, end: PathEnd) -> f64 {
-    let share = pressure / last;
+/// What pressures of a path are measured by.
+fn unit(states: &[FreeState], end: PathEnd) -> PressureUnit {
+    let last = states.last().map_or(0.0, |state| state.pressure);
     match end {
-        PathEnd::LimitPoint => 1.0 - (1.0 - share).max(0.0).sqrt(),
-        PathEnd::Range => share,
-    }
-}
-
-/// Pressure at a place.
-fn pressure_at(place: f64, last: f64, end: PathEnd) -> f64 {
-    match end {
-        PathEnd::LimitPoint => last * (1.0 - (1.0 - place) * (1.0 - place)),
-        PathEnd::Range => last * place,
+        PathEnd::LimitPoint => PressureUnit::Limit(last),
+        PathEnd::Range => PressureUnit::Other(last),
     }
 }
 
@@ -50,7 +43,7 @@ fn divided_difference(places: &[f64], values: &[[f64; 3]]) -> [f64; 3] {
 
 impl Trace {
     fn new(states: &[FreeState], end: PathEnd, outer_radius: f64) -> Self {
-        let last = states.last().map_or(0.0, |state| state.pressure);
+        let unit = unit(states, end);
         let least = [LEAST_CHANGE, LEAST_CHANGE, LEAST_CHANGE / outer_radius];
         let all = || states.iter().map(FreeState::deformation);
         let scale: [f64; 3] = std::array::from_fn(|q| {
@@ -60,7 +53,7 @@ impl Trace {
         });
         let mut trace = Trace { places: vec![], values: vec![] };
         for (index, state) in states.iter().enumerate() {
-            let s = place(state.pressure, last, end);
+            let s = unit.coordinate(state.pressure);
             if trace.places.last().is_some_and(|before| s - before < LEAST_STEP) {
                 // The end is worth more than its neighbour, the state of rest more than any.
                 if index + 1 < states.len() || trace.places.len() == 1 {
@@ -114,17 +107,17 @@ pub(crate) fn resolve<E>(
     (tolerance, outer_radius): (f64, f64),
     solve: &mut dyn FnMut(f64) -> Result<FreeState, E>,
 ) -> Result<(), E> {
-    let last = states.last().map_or(0.0, |state| state.pressure);
-    if last <= 0.0 {
+    if states.last().is_none_or(|state| state.pressure <= 0.0) {
         return Ok(());
     }
+    let unit = unit(states, end);
     for _ in 0..MOST_ROUNDS {
         let weak = Trace::new(states, end, outer_radius).weak(tolerance);
         if weak.is_empty() {
             break;
         }
         for place in weak {
-            states.push(solve(pressure_at(place, last, end))?);
+            states.push(solve(unit.pressure(place))?);
         }
         states.sort_by(|a, b| a.pressure.total_cmp(&b.pressure));
     }

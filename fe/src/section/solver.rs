@@ -224,7 +224,16 @@ impl SectionSolver {
     /// # Errors
     /// As [`SectionSolver::free_path`].
     pub fn path(&mut self, pressures: &[f64], extra: usize) -> Result<FreePath, SectionError> {
-        self.path_under(EndLoad::default(), pressures, extra)
+        self.free_path(&PathRequest { pressures, extra_states: extra, ..PathRequest::default() })
+    }
+
+    /// Limit pressure (Pa), where there is one, with a constant axial force and torque on the closed ends.
+    ///
+    /// # Errors
+    /// As [`SectionSolver::free_path`].
+    pub fn limit_pressure(&mut self, load: EndLoad) -> Result<Option<f64>, SectionError> {
+        let path = self.free_path(&PathRequest { load, pressures: &[0.0], ..PathRequest::default() })?;
+        Ok(path.limit_pressure())
     }
 
     /// The same as [`SectionSolver::path`] with a constant axial force and torque on the closed ends, present from zero pressure
