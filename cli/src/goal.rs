@@ -12,6 +12,7 @@ use std::path::Path;
 
 /// The module of a model, ready to be steered.
 pub struct Steered<'m> {
+    name: &'m str,
     module: &'m ModuleModel,
     effects: &'m Chain,
 }
@@ -28,7 +29,7 @@ pub fn module_of<'m>(model: &'m Model, path: &Path) -> Result<Steered<'m>, Failu
                     left_out.join(", ")
                 );
             }
-            Ok(Steered { module, effects: &model.effects })
+            Ok(Steered { name: &model.provenance.description_name, module, effects: &model.effects })
         }
         None => Err(Failure::usage(format!(
             "{}: is the model of a single FREE, which has no tip pose to steer; give the model of a module",
@@ -41,6 +42,18 @@ impl<'m> Steered<'m> {
     /// Pressures to pose.
     pub fn tip(&self) -> TipModel<'m> {
         TipModel::new(self.module, self.effects)
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        self.name
+    }
+
+    /// Whether a state of the map beside these pressures (Pa) is buckled.
+    pub fn is_near_buckling(&self, pressures: &[f64]) -> bool {
+        let mut answered = pressures.to_vec();
+        tip_model::deform(&tip_model::at_rest(self.effects), &mut answered);
+        self.module.is_near_buckling(&answered)
     }
 
     /// The module.

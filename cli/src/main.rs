@@ -2,6 +2,7 @@
 
 mod axis;
 mod base_model;
+mod case;
 mod choice;
 mod columns;
 mod command;
@@ -41,6 +42,8 @@ mod sweep;
 mod table;
 mod tip_model;
 mod values;
+mod vtu;
+mod workspace_report;
 
 use clap::{CommandFactory, FromArgMatches, Parser};
 use exit::Exit;
@@ -50,8 +53,8 @@ use std::process::ExitCode;
 ///
 /// A FREE (Fiber Reinforced Elastomeric Enclosure) is a rubber tube wound with thread: inflated, it stretches, swells and
 /// turns. freeact computes how much by finite elements (`map`), makes that fast (`fit`, `predict`), finds the pressures
-/// for a wanted pose (`solve`, `track`, `replay`) and finds out from recordings what the model lacks (`import`, `identify`).
-/// Begin with `freeact demo`.
+/// for a wanted pose (`solve`, `track`, `replay`) and what can be reached at all (`workspace`), and finds out from recordings
+/// what the model lacks (`import`, `identify`). Begin with `freeact demo`.
 ///
 /// Winding angles are measured from the hoop (circumferential) direction: 0 = rings, 90 = along the tube. Pressures are gauge.
 #[derive(Parser)]

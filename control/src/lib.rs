@@ -17,6 +17,7 @@ mod pose_error;
 mod preference;
 mod problem;
 mod program;
+mod reach;
 mod solution;
 mod solver;
 mod target;
@@ -28,6 +29,10 @@ mod workspace_table;
 pub use bounds::{Bounds, BoundsError};
 pub use pose_error::{chart_to_pose_jacobian, inverse_right_jacobian, right_jacobian};
 pub use preference::Preference;
+pub use reach::{
+    Dexterity, Face, Facet, ReachError, ReachRun, ReachSettings, ReachableSet, Segments, Sideways, Surface,
+    positions, scattered_pressures,
+};
 pub use solution::{ActiveBound, Answer, Side, Solution, Status};
 pub use solver::{SolveInput, Solver, solve};
 pub use target::{Target, Tolerance};

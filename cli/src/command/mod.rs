@@ -13,6 +13,7 @@ mod replay;
 mod reproduce;
 mod solve;
 mod track;
+mod workspace;
 
 use crate::failure::Outcome;
 
@@ -32,6 +33,7 @@ pub enum Command {
     Identify(identify::Identify),
     Material(material::Material),
     Reproduce(reproduce::Reproduce),
+    Workspace(workspace::Workspace),
 }
 
 impl Command {
@@ -51,6 +53,7 @@ impl Command {
             Command::Identify(identify) => identify.run(json),
             Command::Material(material) => material.run(json),
             Command::Reproduce(reproduce) => reproduce.run(json),
+            Command::Workspace(workspace) => workspace.run(json),
         }
     }
 }

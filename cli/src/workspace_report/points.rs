@@ -1,0 +1,118 @@
+use super::SQUARE;
+use crate::{
+    failure::Failure,
+    goal::Steered,
+    map_csv::{self, number},
+    output,
+    vtu::{Cells, Numbers},
+};
+use actuator::{
+    TipPose,
+    units::{KPA, MM},
+};
+use control::{Bounds, Dexterity};
+use rom::{PoseEvaluation, PoseModel};
+use std::path::Path;
+
+/// Most points that are written.
+const MOST: usize = 2_000_000;
+
+/// A pose that is reached, and how.
+pub struct Point {
+    /// Pressures, Pa.
+    pub pressures: Vec<f64>,
+    /// The pose.
+    pub pose: TipPose,
+    /// How the position answers to the pressures.
+    pub dexterity: Dexterity,
+    /// Whether a node of the map beside it is buckled.
+    pub near_buckling: bool,
+}
+
+/// Poses on an even grid of pressures within bounds, the last FREE's fastest.
+pub fn points(module: &Steered<'_>, bounds: &Bounds, per_axis: usize) -> Result<Vec<Point>, Failure> {
+    let frees = bounds.lower.len();
+    let counts: Vec<usize> = bounds
+        .lower
+        .iter()
+        .zip(&bounds.upper)
+        .map(|(low, high)| if high > low { per_axis } else { 1 })
+        .collect();
+    let all = counts.iter().try_fold(1usize, |all, count| all.checked_mul(*count)).filter(|all| *all <= MOST);
+    let Some(all) = all else {
+        return Err(Failure::usage(format!(
+            "--points {per_axis}: more than {MOST} points for {frees} FREEs; give fewer"
+        )));
+    };
+    let tip = module.tip();
+    let mut into = PoseEvaluation::new(frees, 0);
+    let mut found = Vec::with_capacity(all);
+    for node in 0..all {
+        let mut rest = node;
+        let mut pressures = bounds.lower.clone();
+        for free in (0..frees).rev() {
+            let (index, last) = (rest % counts[free], counts[free] - 1);
+            rest /= counts[free];
+            let (low, high) = (bounds.lower[free], bounds.upper[free]);
+            pressures[free] = match index {
+                0 => low,
+                index if index == last => high,
+                index => low + (high - low) * index as f64 / last as f64,
+            };
+        }
+        tip.evaluate(&pressures, &mut into).map_err(|error| Failure::refused(error.to_string()))?;
+        let near_buckling = module.is_near_buckling(&pressures);
+        found.push(Point {
+            pressures,
+            pose: into.chart.to_pose(),
+            dexterity: Dexterity::of(&into),
+            near_buckling,
+        });
+    }
+    Ok(found)
+}
+
+/// mm^3/kPa^3 in m^3/Pa^3.
+pub const CUBIC: f64 = SQUARE * MM / (KPA * KPA * KPA);
+
+/// Writes `points.csv` and `points.vtu`.
+pub fn write_points(points: &[Point], out: &Path) -> Result<(), Failure> {
+    let frees = points.first().map_or(0, |point| point.pressures.len());
+    let names = map_csv::pressure_header(frees);
+    let mut text = names.join(",") + "," + map_csv::POSE_HEADER;
+    text += ",manipulability_mm3_per_kpa3,condition_number,near_buckling\n";
+    for point in points {
+        let mut cells: Vec<String> = point.pressures.iter().map(|pressure| number(pressure / KPA)).collect();
+        cells.extend(map_csv::pose_cells(&point.pose));
+        cells.push(number(point.dexterity.manipulability / CUBIC));
+        // Infinite where a direction cannot be gone: an empty cell.
+        cells.push(
+            Some(point.dexterity.condition).filter(|value| value.is_finite()).map(number).unwrap_or_default(),
+        );
+        cells.push(u8::from(point.near_buckling).to_string());
+        text += &(cells.join(",") + "\n");
+    }
+    output::save(&out.join("points.csv"), text.as_bytes())?;
+    let each = |value: &dyn Fn(&Point) -> f64| points.iter().map(value).collect::<Vec<_>>();
+    let mut at_points: Vec<Numbers<'_>> = names
+        .iter()
+        .enumerate()
+        .map(|(free, name)| Numbers { name, values: each(&|point| point.pressures[free] / KPA) })
+        .collect();
+    at_points.push(Numbers {
+        name: "manipulability_mm3_per_kpa3",
+        values: each(&|point| point.dexterity.manipulability / CUBIC),
+    });
+    at_points.push(Numbers { name: "condition_number", values: each(&|point| point.dexterity.condition) });
+    at_points.push(Numbers {
+        name: "near_buckling",
+        values: each(&|point| f64::from(u8::from(point.near_buckling))),
+    });
+    let grid = Cells {
+        points: points.iter().map(|point| point.pose.position.map(|metres| metres / MM).into()).collect(),
+        cells: (0..points.len()).map(|point| vec![point]).collect(),
+        at_points,
+        of_cells: vec![],
+    };
+    output::save(&out.join("points.vtu"), grid.text().as_bytes())
+}
