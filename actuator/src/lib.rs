@@ -29,11 +29,14 @@ mod module_map;
 mod module_map_old;
 mod module_symmetry;
 mod point_store;
+mod polygon;
 mod pose;
 mod section;
 mod tube;
 pub mod units;
 mod winding;
+mod wrench;
+mod zonotope;
 
 pub use description::{Description, DescriptionError, Rig};
 pub use elastomer::{
@@ -51,6 +54,9 @@ pub use module_map::{MapParameter, ModuleCheck, ModuleMap, ModuleState, PAYLOAD_
 pub use module_map_old::ModuleMapVersion3;
 pub use module_symmetry::ModuleSymmetry;
 pub use point_store::{PointKey, PointStore, StoreError};
+pub use polygon::ConvexPolygon;
 pub use pose::{PoseChart, TipPose, wrap_angle};
 pub use tube::Tube;
 pub use winding::{Fibre, FibreLaw, Handedness, Winding};
+pub use wrench::Wrench;
+pub use zonotope::Zonotope;

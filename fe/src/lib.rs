@@ -3,6 +3,7 @@
 mod bending_law;
 mod bending_sweep;
 mod bending_table;
+mod blocked;
 mod capped_map;
 mod closed_form;
 mod end_effect;
@@ -29,6 +30,7 @@ mod tip_plate;
 pub use bending_law::{BendingLaw, BendingResponse, ConstantBending};
 pub use bending_sweep::BendingSweep;
 pub use bending_table::{BendingPlane, BendingSample, BendingTable};
+pub use blocked::{BlockedForces, BlockedSweep, HeldState};
 pub use capped_map::{CappedSweep, CapsReport};
 pub use closed_form::{ClosedFormError, ThickTube};
 pub use end_effect::{EndChange, EndEffect};
@@ -40,12 +42,12 @@ pub use module_sweep_error::ModuleSweepError;
 pub use numerics::NUMERICS;
 pub use pressure_unit::PressureUnit;
 pub use rod::{
-    Closest, Configuration, Equilibrium, RodError, RodLaw, RodModule, RodSettings, SectionTable, TableError,
+    Closest, Configuration, Equilibrium, HeldModule, RodError, RodLaw, RodModule, RodSettings, SectionTable, TableError,
     TableGrid,
 };
 pub use rod_stiffness::{RodCompliance, StraightRod};
 pub use run::{Run, Shard};
-pub use section::{PathRequest, SectionError, SectionMesh, SectionSolver, Whereabouts};
+pub use section::{BlockedSection, PathRequest, SectionError, SectionMesh, SectionSolver, Whereabouts};
 pub use section_law::{SectionLaw, SectionResponse};
 pub use solid::{
     Branches, Coat, CriticalKind, CriticalPoint, Deformation, FibreModel, Plane, PressureLimit, SolidCost,

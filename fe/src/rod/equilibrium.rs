@@ -5,8 +5,8 @@ use super::{
     path::Loads,
 };
 use crate::{rigid_motion::Frame, tip_plate::Plate};
-use actuator::{ModuleState, PoseChart};
-use nalgebra::Vector6;
+use actuator::{ModuleState, PoseChart, Wrench};
+use nalgebra::{Vector3, Vector6};
 use std::fmt;
 
 /// Where every cross-section of a module is.
@@ -46,6 +46,11 @@ pub struct Equilibrium {
     pub pressure_jacobian: Vec<[f64; 6]>,
     /// The two FREEs whose surfaces are nearest; `None` of a single FREE.
     pub closest: Option<Closest>,
+    /// What each FREE gives to the tip plate, about the plate's centre, in the base frame: minus the gradient of its energy, its own
+    /// weight among it, that of plate and payload not. With spacers the FREEs act together: one wrench for all.
+    pub wrenches: Vec<Wrench>,
+    /// Change of these with the pressure of each FREE while the plate stays where it is, per Pa.
+    pub wrench_slopes: Vec<Wrench>,
 }
 
 /// Why a module has no equilibrium to show.
@@ -151,11 +156,21 @@ impl RodModule {
             slope(factored.condensed.iter().map(|chain| column(Chain::BENDING_COLUMN, chain)).sum()),
         ];
         let mut pressure_jacobian = vec![[0.0; 6]; self.laws.len()];
+        let mut wrench_slopes = vec![Wrench::default(); self.laws.len()];
+        // The gradient is that for motions of the plate in its own directions; what the FREEs give is minus it.
+        let on_plate = |gradient: Vector6<f64>| {
+            let turned = |first: usize| -(frame.rotation * Vector3::from(gradient.fixed_rows::<3>(first)));
+            Wrench { force: turned(0).into(), moment: turned(3).into() }
+        };
         for (chain, condensed) in chains.iter().zip(&factored.condensed) {
             for (place, member) in chain.members.iter().enumerate() {
-                pressure_jacobian[member.free] = slope(column(Chain::pressure_column(place), condensed));
+                let by_pressure = Chain::pressure_column(place);
+                pressure_jacobian[member.free] = slope(column(by_pressure, condensed));
+                wrench_slopes[member.free] = on_plate(condensed.columns.column(by_pressure).into());
             }
         }
+        let given = factored.condensed.iter().map(|chain| on_plate(chain.columns.column(0).into()));
+        let wrenches = given.collect();
         let closest = self.closest(&shape, loads);
         let state = ModuleState {
             chart: shape.chart(),
@@ -171,6 +186,8 @@ impl RodModule {
             energy: system.energy,
             pressure_jacobian,
             closest,
+            wrenches,
+            wrench_slopes,
         })
     }
 }

@@ -8,6 +8,9 @@ mod chain;
 mod contact;
 mod element;
 mod equilibrium;
+mod held;
+#[cfg(test)]
+mod held_tests;
 mod module;
 #[cfg(test)]
 mod module_tests;
@@ -20,6 +23,7 @@ mod table;
 
 pub use contact::Closest;
 pub use equilibrium::{Configuration, Equilibrium, RodError};
+pub use held::HeldModule;
 pub use module::{RodLaw, RodModule};
 pub use settings::RodSettings;
 pub use table::{SectionTable, TableError, TableGrid};

@@ -90,7 +90,7 @@ impl RodModule {
     }
 
     /// Newton's method with a step limit and backtracking; the least residual met where it does not converge.
-    fn newton(&self, start: &Configuration, loads: &Loads) -> Result<Configuration, f64> {
+    pub(super) fn newton(&self, start: &Configuration, loads: &Loads) -> Result<Configuration, f64> {
         let chains = self.chains(loads.part);
         let assemble = |shape: &Configuration| self.assemble(&chains, shape, loads, false);
         let mut shape = start.clone();

@@ -1,6 +1,7 @@
 //! The cross-section of a FREE on one fibre pitch: exact in length, a hundred unknowns.
 
 mod banded;
+mod blocked;
 mod element;
 mod error;
 mod kinematics;
@@ -17,6 +18,7 @@ mod system;
 #[cfg(test)]
 pub(crate) mod tests;
 
+pub use blocked::BlockedSection;
 pub use error::{SectionError, Whereabouts};
 pub use mesh::SectionMesh;
 pub use path_request::PathRequest;

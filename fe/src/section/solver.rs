@@ -144,6 +144,16 @@ impl SectionSolver {
         axial_stretch: f64,
         twist_per_length: f64,
     ) -> Result<SectionResponse, SectionError> {
+        self.answer(pressure, axial_stretch, twist_per_length).map(|(response, _)| response)
+    }
+
+    /// The response, dN/dp (m^2) and dM/dp (m^3) at constant stretch and twist.
+    pub(super) fn answer(
+        &mut self,
+        pressure: f64,
+        axial_stretch: f64,
+        twist_per_length: f64,
+    ) -> Result<(SectionResponse, [f64; 2]), SectionError> {
         check("pressure", pressure, pressure.is_finite(), "it must be a number, in Pa")?;
         check("axial_stretch", axial_stretch, axial_stretch > 0.0, "a stretch is positive")?;
         check(
@@ -161,7 +171,7 @@ impl SectionSolver {
         let system = &self.newton.system;
         let Units { length: b, stress: mu } = self.units;
         let (line, torque) = (mu * b * b, mu * b * b * b);
-        Ok(SectionResponse {
+        let response = SectionResponse {
             energy: line * system.energy,
             force: line * system.global_residual[0],
             torque: torque * system.global_residual[1],
@@ -169,7 +179,8 @@ impl SectionSolver {
                 [line * schur[(0, 0)], torque * schur[(0, 1)]],
                 [torque * schur[(1, 0)], torque * b * schur[(1, 1)]],
             ],
-        })
+        };
+        Ok((response, [b * b * schur[(0, 2)], b * b * b * schur[(1, 2)]]))
     }
 
     /// Expansion b/B (b the outer radius of equal area) of the last state answered.

@@ -29,6 +29,13 @@ impl Plate {
         Plate(Vector6::new(0.0, 0.0, height, 0.0, 0.0, 0.0))
     }
 
+    /// Plate at a pose.
+    pub fn at_chart(chart: &PoseChart) -> Self {
+        let PoseChart { twist, bend, position } = *chart;
+        let [x, y, z] = (half_turn(twist) * Vector3::from(position)).into();
+        Plate(Vector6::new(x, y, z, bend[0], bend[1], twist))
+    }
+
     pub fn position(&self) -> Vector3<f64> {
         self.0.fixed_rows::<3>(0).into()
     }
@@ -165,6 +172,7 @@ mod tests {
             let pose = plate.chart().to_pose();
             assert!((pose.position - frame.position).amax() < 1e-14);
             assert!(pose.rotation.angle_to(&frame.rotation) < 1e-7);
+            assert!((Plate::at_chart(&plate.chart()).0 - plate.0).amax() < 1e-14);
             let slope = Vector6::new(0.3, -0.2, 0.5, 0.7, 0.1, -0.6);
             let h = 1e-5;
             let [ahead, behind] = [h, -h].map(|s| Plate(plate.0 + slope * s).chart().to_array());

@@ -1,6 +1,7 @@
 //! Tests of the section as a whole.
 
 mod accuracy;
+mod blocked;
 mod beyond;
 mod constants;
 mod mesh_error;
