@@ -2,6 +2,7 @@
 
 mod axis;
 mod base_model;
+mod blocked_report;
 mod case;
 mod choice;
 mod columns;

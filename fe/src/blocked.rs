@@ -295,9 +295,10 @@ impl BlockedForces {
             })
             .collect();
         for (node, state) in self.states.iter().enumerate() {
-            let alone = self.places(node).into_iter().zip(&strides).map(|(place, stride)| {
-                self.states[place * stride].map(|state| state.wrench - base.wrench)
-            });
+            let alone =
+                self.places(node).into_iter().zip(&strides).map(|(place, stride)| {
+                    self.states[place * stride].map(|state| state.wrench - base.wrench)
+                });
             let (Some(state), Some(alone)) = (state, alone.sum::<Option<Wrench>>()) else { continue };
             let off = (state.wrench - base.wrench - alone).to_array();
             most.iter_mut().zip(off).for_each(|(most, off)| *most = most.max(off.abs()));

@@ -80,9 +80,9 @@ fn the_linear_set_is_the_tangent_at_rest() {
     // To second order in the pressure: half of the range leaves a quarter of the departure.
     let departure = |greatest: f64| {
         let run = Run { jobs: 1, progress: &|_, _| (), stop: &AtomicBool::new(false) };
-        let sweep = BlockedSweep { rods: RodSettings { elements: 2, ..RodSettings::default() }, bending: None };
-        let forces =
-            sweep.module(&module(0), &rest(), vec![vec![0.0, greatest]; 3], &run).unwrap().unwrap();
+        let sweep =
+            BlockedSweep { rods: RodSettings { elements: 2, ..RodSettings::default() }, bending: None };
+        let forces = sweep.module(&module(0), &rest(), vec![vec![0.0, greatest]; 3], &run).unwrap().unwrap();
         let [.., fz, _, _, mz] = forces.departure().to_array();
         [fz, mz]
     };

@@ -37,6 +37,8 @@ struct SmearedFibres {
     /// B k.
     turn: f64,
     law: FibreLaw,
+    /// Length of a thread over that of its helix at rest, minus one.
+    slack: f64,
 }
 
 /// A state of the tube: squared inner radius over A^2, stretch, twist times B.
@@ -67,8 +69,18 @@ impl ThickTube {
         let turn = free.winding.turn_per_length(tube.outer_radius) * tube.outer_radius;
         let fibre = free.winding.fibre;
         let stiffness = free.winding.fibres as f64 * fibre.axial_stiffness * (turn * turn + 1.0).sqrt();
-        tube.fibres = Some(SmearedFibres { stiffness, turn, law: fibre.law });
+        tube.fibres = Some(SmearedFibres { stiffness, turn, law: fibre.law, slack: 0.0 });
         tube
+    }
+
+    /// The tube with its threads wound loosely: longer than their helix at rest by this share of it. Threads that carry tension only
+    /// do nothing before the tube has filled them.
+    pub fn with_slack(mut self, slack: f64) -> Self {
+        if let Some(fibres) = &mut self.fibres {
+            fibres.stiffness *= (1.0 + slack) / (1.0 + fibres.slack);
+            fibres.slack = slack;
+        }
+        self
     }
 
     /// The tube of a FREE without any fibre.
@@ -111,7 +123,7 @@ impl ThickTube {
             // (b/B)^2
             let outer = (area + shrink * (1.0 / ratio2 - 1.0)) * ratio2;
             let turned = twist + Jet::constant(fibres.turn);
-            let length2 = fibres.turn * fibres.turn + 1.0;
+            let length2 = (fibres.turn * fibres.turn + 1.0) * (1.0 + fibres.slack).powi(2);
             let elongation =
                 ((outer * turned * turned + stretch2) * (1.0 / length2)).powf(0.5) - Jet::constant(1.0);
             if fibres.law == FibreLaw::Linear || elongation.value > 0.0 {

@@ -185,3 +185,27 @@ fn a_ballooning_section_has_no_response() {
     assert!(tube.respond(9e4, 1.0, 0.0).energy.is_nan());
     assert!(tube.section(f64::NAN, 1.0, 0.0).is_none());
 }
+
+/// Loose threads do nothing until the bare tube has filled them, and are then as long as they are.
+#[test]
+fn loose_threads_wait_for_the_tube() {
+    let mut free = specimen(60.0, 0.393e6, 644e3, 1.2);
+    free.winding.fibre.law = FibreLaw::TensionOnly;
+    let slack = 0.02;
+    let (bare, loose) = (ThickTube::bare(&free), ThickTube::new(&free).with_slack(slack));
+    let turn = free.winding.turn_per_length(free.tube.outer_radius()) * free.tube.outer_radius();
+    let thread = |state: &FreeState| {
+        let turned = turn + state.twist_per_length * free.tube.outer_radius();
+        (((state.expansion * turned).powi(2) + state.axial_stretch.powi(2)) / (turn * turn + 1.0)).sqrt()
+    };
+    let [low, high] = [5e3, 3e4];
+    let waiting = loose.free_state(low).unwrap();
+    assert!(thread(&waiting) < 1.0 + slack);
+    for (a, b) in waiting.deformation().into_iter().zip(bare.free_state(low).unwrap().deformation()) {
+        assert!((a - b).abs() < 1e-9, "{waiting:?}");
+    }
+    let taut = loose.free_state(high).unwrap();
+    assert!(thread(&bare.free_state(high).unwrap()) > 1.0 + slack);
+    // Of threads a thousand times stiffer than cotton 1e-5 of strain is left.
+    assert!((thread(&taut) - 1.0 - slack).abs() < 2e-5, "{}", thread(&taut));
+}

@@ -42,8 +42,8 @@ pub use module_sweep_error::ModuleSweepError;
 pub use numerics::NUMERICS;
 pub use pressure_unit::PressureUnit;
 pub use rod::{
-    Closest, Configuration, Equilibrium, HeldModule, RodError, RodLaw, RodModule, RodSettings, SectionTable, TableError,
-    TableGrid,
+    Closest, Configuration, Equilibrium, HeldModule, RodError, RodLaw, RodModule, RodSettings, SectionTable,
+    TableError, TableGrid,
 };
 pub use rod_stiffness::{RodCompliance, StraightRod};
 pub use run::{Run, Shard};

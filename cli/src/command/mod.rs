@@ -1,5 +1,6 @@
 //! The commands, one file each.
 
+mod blocked;
 mod demo;
 pub mod fit;
 mod identify;
@@ -24,6 +25,7 @@ pub enum Command {
     Map(map::Map),
     Merge(merge::Merge),
     Inspect(inspect::Inspect),
+    Blocked(blocked::Blocked),
     Fit(fit::Fit),
     Predict(predict::Predict),
     Solve(solve::Solve),
@@ -44,6 +46,7 @@ impl Command {
             Command::Map(map) => map.run(json),
             Command::Merge(merge) => merge.run(json),
             Command::Inspect(inspect) => inspect.run(json),
+            Command::Blocked(blocked) => blocked.run(json),
             Command::Fit(fit) => fit.run(json),
             Command::Predict(predict) => predict.run(json),
             Command::Solve(solve) => solve.run(json),

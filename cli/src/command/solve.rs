@@ -69,7 +69,7 @@ impl From<Prefer> for Preference {
     }
 }
 
-fn rotation(text: &str) -> Result<[f64; 4], String> {
+pub(super) fn rotation(text: &str) -> Result<[f64; 4], String> {
     let wxyz = numbers::<4>(text)?;
     match TipPose::from_parts([0.0; 3], wxyz) {
         Some(pose) => Ok(pose.wxyz()),

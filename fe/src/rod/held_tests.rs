@@ -59,7 +59,8 @@ fn wrench_is_minus_the_gradient_of_the_energy_in_the_pose() {
         let given = total(&found);
         for i in 0..6 {
             let energy = |step: f64| at(unit(i, step)).energy;
-            let slope = (energy(-2.0) - 8.0 * energy(-1.0) + 8.0 * energy(1.0) - energy(2.0)) / (12.0 * size(i));
+            let slope =
+                (energy(-2.0) - 8.0 * energy(-1.0) + 8.0 * energy(1.0) - energy(2.0)) / (12.0 * size(i));
             // Fourth order, of forces that change by 3 N over a tenth of a millimetre where threads are taut.
             assert!((given[i] + slope).abs() < 1e-5 * (1.0 + given[i].abs()), "{i}: {} {slope}", given[i]);
         }

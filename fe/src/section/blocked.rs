@@ -31,8 +31,10 @@ impl SectionSolver {
     ) -> Result<BlockedSection, SectionError> {
         let hand = self.free().winding.handedness.sign();
         let (response, slopes) = self.answer(pressure, axial_stretch, hand * twist_per_length)?;
-        let along =
-            |force: f64, torque: f64| Wrench { force: [0.0, 0.0, -force], moment: [0.0, 0.0, -hand * torque] };
+        let along = |force: f64, torque: f64| Wrench {
+            force: [0.0, 0.0, -force],
+            moment: [0.0, 0.0, -hand * torque],
+        };
         Ok(BlockedSection {
             pressure,
             wrench: along(response.force, response.torque),

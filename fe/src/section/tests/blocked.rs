@@ -60,8 +60,8 @@ fn blocked_force_is_minus_the_gradient_of_the_energy() {
         let (h, turn) = (1e-4, 1e-2);
         let by_stretch =
             (energy(pressure, stretch + h, twist) - energy(pressure, stretch - h, twist)) / (2.0 * h);
-        let by_twist =
-            (energy(pressure, stretch, twist + turn) - energy(pressure, stretch, twist - turn)) / (2.0 * turn);
+        let by_twist = (energy(pressure, stretch, twist + turn) - energy(pressure, stretch, twist - turn))
+            / (2.0 * turn);
         let found = solver.blocked(pressure, stretch, twist).unwrap();
         let [force, torque] = [found.wrench.force[2], found.wrench.moment[2]];
         assert!((force + by_stretch).abs() < 1e-4 * by_stretch.abs(), "{force} {by_stretch}");

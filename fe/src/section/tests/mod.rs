@@ -1,8 +1,8 @@
 //! Tests of the section as a whole.
 
 mod accuracy;
-mod blocked;
 mod beyond;
+mod blocked;
 mod constants;
 mod mesh_error;
 mod path;
