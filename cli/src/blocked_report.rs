@@ -77,7 +77,7 @@ fn status(state: &Option<HeldState>) -> &'static str {
 impl<'a> Report<'a> {
     pub fn new(name: &'a str, pose: &'a TipPose, forces: &'a BlockedForces) -> Self {
         let all = forces.states.iter().flatten().map(|state| state.wrench.to_array());
-        let size = all.fold([0.0; 2], |[force, moment], values| {
+        let size = all.fold([0.0f64; 2], |[force, moment], values| {
             let most = |from: usize| values[from..from + 3].iter().fold(0.0f64, |most, v| most.max(v.abs()));
             [force.max(most(0)), moment.max(most(3))]
         });
@@ -179,7 +179,7 @@ impl<'a> Report<'a> {
         let generators: Vec<Value> = generators
             .map(|(generator, top)| json!({ "pressure_max_kpa": top / KPA, "per_kpa": named(*generator * (KPA / top)) }))
             .collect();
-        let corners = (top.len() <= MOST_CORNERS).then(|| forces.linear.corners()).unwrap_or_default();
+        let corners = if top.len() <= MOST_CORNERS { forces.linear.corners() } else { Vec::new() };
         let corners: Vec<Value> = corners
             .into_iter()
             .map(|(shares, wrench)| {

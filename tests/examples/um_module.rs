@@ -1,38 +1,305 @@
-//! draft
-use actuator::{Description, Rig};
-use freeact_tests::{plateau::plateaus, um_module::*};
-use std::{error::Error, path::PathBuf, time::Instant};
-fn main() -> Result<(), Box<dyn Error>> {
-    let dir = PathBuf::from(std::env::args().nth(1).unwrap());
-    let rig = Rig::read(&dir.join("rig.toml"))?;
-    let Description::Module(module) = rig.description else { return Err("module".into()) };
-    let (found, lost) = plateaus(&dir.join("grid.csv"));
-    println!("{} {lost}", found.len());
-    let found: Vec<_> =
-        found.into_iter().enumerate().filter(|(i, _)| (i / 9) % 4 == 0).map(|(_, p)| p).collect();
-    let cmd: Vec<[f64; 3]> = found.iter().map(|p| p.command_kpa).collect();
-    let moduli = [1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0];
-    let variants: Vec<(&str, Variation)> = vec![
-        ("base", Variation::default()),
-        ("spacers", Variation { spacers: 9, ..Variation::default() }),
-        ("slack 1%", Variation { slack: 0.01, ..Variation::default() }),
-        ("slack 3%", Variation { slack: 0.03, ..Variation::default() }),
-        ("thinner .6", Variation { thinner: 0.6e-3, ..Variation::default() }),
-        ("angle +3", Variation { angle: 0.052, ..Variation::default() }),
-        ("angle -3", Variation { angle: -0.052, ..Variation::default() }),
-        ("bending x10", Variation { bending: 10.0, ..Variation::default() }),
-    ];
-    for (name, v) in variants {
-        let t = Instant::now();
-        let scan = ModulusScan::new(&module, &v, &moduli, &cmd)?;
-        for (m, motion) in scan.moduli.iter().zip(&scan.motions) {
-            let e = Errors::of(motion.iter().zip(&found));
+//! Predicted and measured motion of a real module: three FREEs on a guide that leaves z and the rotation about z free.
+//!
+//! `cargo run --release -p freeact-tests --example um_module -- DIR [quick]`
+//!
+//! DIR holds `rig.toml` and `grid.csv` of D. Bruder's module of the University of Michigan (github.com/bruderd/UM-Matlab at 80fc221, which states no
+//! licence: the data are not part of this project). Everything is printed: what was recorded, the prediction from the drawing alone, with one
+//! shear modulus fitted to all FREEs, errors on combinations held out of the fit, and by how much each likely reason would change
+//! the prediction. `quick` leaves out the reasons. Minutes.
+
+use actuator::{
+    Description, Module, Rig,
+    units::{DEG, MM},
+};
+use fe::ModuleSweep;
+use freeact_tests::{
+    plateau::{Plateau, plateaus},
+    um_module::{Errors, ModulusScan, Motion, Variation, predict, ranges, wanted_of_guide},
+};
+use std::{error::Error, path::PathBuf};
+
+/// Factors on the modulus at which the fit's predictions are made.
+const FACTORS: [f64; 7] = [2.5, 3.2, 4.0, 5.0, 6.3, 8.5, 12.0];
+/// Student's t of 95 % for nine blocks.
+const STUDENT: f64 = 2.306;
+
+fn command(plateaus: &[Plateau]) -> Vec<[f64; 3]> {
+    plateaus.iter().map(|plateau| plateau.command_kpa).collect()
+}
+
+fn monitor(plateaus: &[Plateau]) -> Vec<[f64; 3]> {
+    plateaus.iter().map(|plateau| plateau.monitor_kpa).collect()
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+fn head() {
+    println!(
+        "{:46} predicted  none     rms mm  median   worst    mean   of range    rms rad  median   worst    mean   of range",
+        ""
+    );
+}
+
+fn tell(what: &str, errors: &Errors, range: [f64; 2]) {
+    print!("{what:46} {:9}  {:4}  ", errors.count, errors.missing);
+    for (k, whole) in range.into_iter().enumerate() {
+        print!(
+            "  {:7.3} {:7.3} {:7.3} {:7.3}  {:6.1} %  ",
+            errors.rms[k],
+            errors.median[k],
+            errors.worst[k],
+            errors.mean[k],
+            100.0 * errors.rms[k] / whole
+        );
+    }
+    println!();
+}
+
+fn errors_where(motions: &[Option<Motion>], found: &[Plateau], chosen: &dyn Fn(&Plateau) -> bool) -> Errors {
+    Errors::of(motions.iter().zip(found).filter(|(_, plateau)| chosen(plateau)))
+}
+
+/// What was recorded, as it is.
+fn recorded(found: &[Plateau], lost: usize) {
+    let range = ranges(found);
+    println!(
+        "{} settled plateaus of five seconds, {lost} more lost to missing samples and spikes",
+        found.len()
+    );
+    println!("range of z {:.3} mm, of the rotation {:.4} rad", range[0], range[1]);
+    let unsettled = |k: usize| median(found.iter().map(|plateau| plateau.spread[k]).collect());
+    println!(
+        "half range within the last two seconds of a plateau, median: {:.3} mm, {:.4} rad",
+        unsettled(0),
+        unsettled(1)
+    );
+    let aside = |k: usize| found.iter().map(|plateau| plateau.aside_mm[k].abs()).fold(0.0, f64::max);
+    println!("the guide lets the marker go aside by up to {:.2} mm in x, {:.2} mm in y", aside(0), aside(1));
+    let zero: Vec<&Plateau> = found.iter().filter(|plateau| plateau.command_kpa == [0.0; 3]).collect();
+    for plateau in &zero {
+        println!("without pressure: z {:.3} mm, rotation {:.4} rad", plateau.z_mm, plateau.rz_rad);
+    }
+    for free in 0..3 {
+        let line = found.iter().filter(|plateau| plateau.command_kpa[free] > 0.0);
+        let points: Vec<[f64; 2]> =
+            line.map(|plateau| [plateau.command_kpa[free], plateau.monitor_kpa[free]]).collect();
+        let mean = [0, 1].map(|k| points.iter().map(|point| point[k]).sum::<f64>() / points.len() as f64);
+        let moment = |k: usize| points.iter().map(|p| (p[0] - mean[0]) * (p[k] - mean[k])).sum::<f64>();
+        let gain = moment(1) / moment(0);
+        let idle = found.iter().filter(|plateau| plateau.command_kpa[free] == 0.0);
+        println!(
+            "monitor of FREE {}: {gain:.3} command + {:.2} kPa, at rest {:.2} kPa (median)",
+            free + 1,
+            mean[1] - gain * mean[0],
+            median(idle.map(|plateau| plateau.monitor_kpa[free]).collect())
+        );
+    }
+    println!(
+        "\nHands: rotation (rad) and z (mm) from the least to the greatest pressure of one FREE, the others at rest"
+    );
+    for free in 0..3 {
+        let alone =
+            |plateau: &&Plateau| (0..3).all(|other| (other == free) == (plateau.command_kpa[other] > 0.0));
+        let line: Vec<&Plateau> = found.iter().filter(alone).collect();
+        if let [first, .., last] = &line[..] {
+            let word = if last.rz_rad < first.rz_rad { "right" } else { "left" };
             println!(
-                "{name} x{m}: {} missing {} rms {:.3} mm {:.4} rad mean {:.3} {:.4}",
-                e.count, e.missing, e.rms[0], e.rms[1], e.mean[0], e.mean[1]
+                "FREE {}: {:+.4} rad, {:+.3} mm: {word}-handed, if the recording's rotation is right-handed about +z from base to tip",
+                free + 1,
+                last.rz_rad - first.rz_rad,
+                last.z_mm - first.z_mm
             );
         }
-        println!("{name}: fit {:?} in {:?}", scan.fit(&found, &|_| true), t.elapsed());
+    }
+}
+
+/// Factor of least misfit, with its interval from leaving out each level of FREE 1, which are blocks in time.
+fn fitted(scan: &ModulusScan, found: &[Plateau]) -> (f64, [f64; 2]) {
+    let (best, _) = scan.fit(found, &|_| true);
+    let mut levels: Vec<f64> = found.iter().map(|plateau| plateau.command_kpa[0]).collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    let without: Vec<f64> =
+        levels.iter().map(|level| scan.fit(found, &|i| found[i].command_kpa[0] != *level).0.ln()).collect();
+    let count = without.len() as f64;
+    let mean = without.iter().sum::<f64>() / count;
+    let spread = without.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
+    let half = STUDENT * ((count - 1.0) / count * spread).sqrt();
+    (best, [best * (-half).exp(), best * half.exp()])
+}
+
+/// Errors in parts of the combinations.
+fn in_parts(motions: &[Option<Motion>], found: &[Plateau], range: [f64; 2]) {
+    for free in 0..3 {
+        let alone = move |plateau: &Plateau| {
+            (0..3).all(|other| (other == free) == (plateau.command_kpa[other] > 0.0))
+        };
+        tell(&format!("  only FREE {}", free + 1), &errors_where(motions, found, &alone), range);
+    }
+    for (name, from, to) in [("0", -1.0, 1.0), ("17 to 69", 1.0, 70.0), ("86 to 138", 70.0, 140.0)] {
+        let part = move |plateau: &Plateau| (from..to).contains(&plateau.command_kpa[2]);
+        tell(&format!("  FREE 3 at {name} kPa"), &errors_where(motions, found, &part), range);
+    }
+}
+
+fn fit_and_judge(module: &Module, base: &Variation, found: &[Plateau]) -> Result<f64, Box<dyn Error>> {
+    let range = ranges(found);
+    let scan = ModulusScan::new(module, base, &FACTORS, &command(found))?;
+    let (factor, [low, high]) = fitted(&scan, found);
+    let own = module.frees[0].free.elastomer.shear_modulus() / 1e6;
+    println!(
+        "\n{} spacers, one modulus fitted to all: {factor:.3} x {own} MPa = {:.3} MPa (95 % {:.3} to {:.3}, leaving out levels of FREE 1)",
+        base.spacers,
+        factor * own,
+        low * own,
+        high * own
+    );
+    head();
+    let motions = predict(module, &Variation { modulus: factor, ..base.clone() }, &command(found))?;
+    tell("all, as fitted", &errors_where(&motions, found, &|_| true), range);
+    in_parts(&motions, found, range);
+    let mut levels: Vec<f64> = found.iter().map(|plateau| plateau.command_kpa[2]).collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    let level = |i: usize| levels.iter().position(|level| *level == found[i].command_kpa[2]).unwrap_or(0);
+    let splits: [(&str, &dyn Fn(usize) -> bool); 3] = [
+        ("every other combination", &|i| i % 2 == 0),
+        ("every other level of FREE 3", &|i| level(i) % 2 == 0),
+        ("FREE 1 up to 34 kPa", &|i| found[i].command_kpa[0] < 35.0),
+    ];
+    for (name, split) in splits {
+        let (own, _) = scan.fit(found, split);
+        let motions = scan.at(own);
+        let others = motions.iter().zip(found).enumerate().filter(|(i, _)| !split(*i)).map(|(_, pair)| pair);
+        tell(&format!("held out; fit on {name}: {own:.3}"), &Errors::of(others), range);
+    }
+    Ok(factor)
+}
+
+/// What each reason would change, on every fourth row of the recording.
+fn reasons(module: &Module, found: &[Plateau], factor: f64) -> Result<(), Box<dyn Error>> {
+    let part: Vec<Plateau> = found.chunks(9).step_by(4).flatten().cloned().collect();
+    let range = ranges(found);
+    let base = Variation { modulus: factor, ..Variation::default() };
+    let before = predict(module, &base, &command(&part))?;
+    let offset: [f64; 3] = std::array::from_fn(|free| {
+        let idle = part.iter().filter(|plateau| plateau.command_kpa[free] == 0.0);
+        median(idle.map(|plateau| plateau.monitor_kpa[free]).collect())
+    });
+    let above = |plateau: &Plateau| std::array::from_fn(|i| (plateau.monitor_kpa[i] - offset[i]).max(0.0));
+    let changes: Vec<(&str, Variation, Vec<[f64; 3]>)> = vec![
+        ("nothing", base.clone(), command(&part)),
+        ("pressure: monitor instead of command", base.clone(), monitor(&part)),
+        ("pressure: monitor less its value at rest", base.clone(), part.iter().map(above).collect()),
+        ("wall 1.0 mm, threads at 5.76 mm", Variation { thinner: 0.4 * MM, ..base.clone() }, command(&part)),
+        ("ends: FREEs 150 mm long", Variation { length: 150.0 / 160.0, ..base.clone() }, command(&part)),
+        ("FREE 3 at 40.23 degrees", Variation { angle: 3.0 * DEG, ..base.clone() }, command(&part)),
+        ("FREE 3 at 34.23 degrees", Variation { angle: -3.0 * DEG, ..base.clone() }, command(&part)),
+        ("threads 0.5 % loose", Variation { slack: 0.005, ..base.clone() }, command(&part)),
+        ("threads 1 % loose", Variation { slack: 0.01, ..base.clone() }, command(&part)),
+        ("EA a tenth", Variation { threads: 0.1, ..base.clone() }, command(&part)),
+        ("bending stiffness x 3", Variation { bending: 3.0, ..base.clone() }, command(&part)),
+        ("nine spacers", Variation { spacers: 9, ..base.clone() }, command(&part)),
+    ];
+    println!(
+        "\nReasons, on {} combinations: change of the prediction at that modulus, and errors with the modulus fitted again",
+        part.len()
+    );
+    println!("{:44} change: rms mm      rad   fitted again: x      rms mm      rad   misfit", "");
+    for (name, variation, pressures) in &changes {
+        let changed = predict(module, variation, pressures)?;
+        let both = || changed.iter().zip(&before).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
+        let rms = |k: usize| {
+            (both().map(|(a, b)| (a[k] - b[k]).powi(2)).sum::<f64>() / both().count().max(1) as f64).sqrt()
+        };
+        let scan = ModulusScan::new(module, variation, &FACTORS, pressures)?;
+        let (again, misfit) = scan.fit(&part, &|_| true);
+        let errors = Errors::of(scan.at(again).iter().zip(&part));
+        println!(
+            "{name:44} {:14.3} {:8.4} {again:17.2} {:11.3} {:8.4} {misfit:8.4}",
+            rms(0) / MM,
+            rms(1),
+            errors.rms[0],
+            errors.rms[1]
+        );
+    }
+    for (name, load) in
+        [("a force of 10 N along z", [10.0, 0.0]), ("a moment of 0.01 N m about z", [0.0, 0.01])]
+    {
+        let changed = predict(module, &Variation { load, ..base.clone() }, &command(&part))?;
+        let both = || changed.iter().zip(&before).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
+        let moved = |k: usize| median(both().map(|(a, b)| (a[k] - b[k]).abs()).collect());
+        println!("{name:44} moves the plate by {:.3} mm and {:.4} rad (medians)", moved(0) / MM, moved(1));
+    }
+    println!(
+        "range of misfit: 1 is the whole range of the recording ({:.2} mm, {:.2} rad) in both",
+        range[0], range[1]
+    );
+    println!(
+        "\nWhat the guide would have to give for the module to stand where it was measured (plate held there): N along z, N m about z"
+    );
+    for modulus in [1.0, factor] {
+        let wanted = wanted_of_guide(module, &Variation { modulus, ..Variation::default() }, &part)?;
+        let pairs: Vec<([f64; 2], &Plateau)> =
+            wanted.iter().zip(&part).filter_map(|(wanted, plateau)| Some(((*wanted)?, plateau))).collect();
+        for (name, low, high) in [("0", -1.0, 1.0), ("17 to 69", 1.0, 70.0), ("86 to 138", 70.0, 140.0)] {
+            let own = || pairs.iter().filter(|(_, plateau)| (low..high).contains(&plateau.command_kpa[2]));
+            let of = |k: usize| median(own().map(|(wanted, _)| wanted[k]).collect());
+            let size = |k: usize| median(own().map(|(wanted, _)| wanted[k].abs()).collect());
+            println!(
+                "modulus x {modulus:5.2}, FREE 3 at {name:9} kPa: median {:7.2} N {:8.4} N m, of sizes {:7.2} N {:8.4} N m ({} held)",
+                of(0),
+                of(1),
+                size(0),
+                size(1),
+                own().count()
+            );
+        }
+    }
+    Ok(())
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let folder = PathBuf::from(arguments.next().ok_or("give the folder of rig.toml and grid.csv")?);
+    let quick = arguments.next().is_some_and(|word| word == "quick");
+    let rig = Rig::read(&folder.join("rig.toml"))?;
+    let Description::Module(module) = rig.description else {
+        return Err("rig.toml is not of a module".into());
+    };
+    let (found, lost) = plateaus(&folder.join("grid.csv"));
+    recorded(&found, lost);
+    let range = ranges(&found);
+
+    let map = ModuleSweep::default().empty_map(
+        module.clone(),
+        rig.limits.clone(),
+        rig.limits.pressure_max.iter().map(|top| vec![0.0, *top]).collect(),
+        Default::default(),
+    )?;
+    println!("\nFrom the drawing alone. Limit pressures of the FREEs: {:?} Pa", map.limit_pressures);
+    head();
+    for spacers in [0, 9] {
+        let base = Variation { spacers, ..Variation::default() };
+        for (name, pressures) in [("command", command(&found)), ("monitor", monitor(&found))] {
+            // Tied FREEs are for comparison only, and the pressures hardly matter here.
+            if spacers > 0 && name == "monitor" {
+                continue;
+            }
+            let motions = predict(&module, &base, &pressures)?;
+            tell(&format!("{spacers} spacers, by {name}"), &errors_where(&motions, &found, &|_| true), range);
+            if spacers == 0 && name == "command" {
+                in_parts(&motions, &found, range);
+            }
+        }
+    }
+    let factor = fit_and_judge(&module, &Variation::default(), &found)?;
+    fit_and_judge(&module, &Variation { spacers: 9, ..Variation::default() }, &found)?;
+    if !quick {
+        reasons(&module, &found, factor)?;
     }
     Ok(())
 }

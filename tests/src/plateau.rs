@@ -14,6 +14,8 @@ pub struct Plateau {
     pub z_mm: f64,
     /// Rotation about z since the start of the recording, rad: median.
     pub rz_rad: f64,
+    /// Shifts along x and y, mm, which a guide should not have: medians.
+    pub aside_mm: [f64; 2],
     /// Half the range of z (mm) and of the rotation (rad) over the samples: what has not settled, and noise.
     pub spread: [f64; 2],
     /// Samples that it rests on.
@@ -75,6 +77,7 @@ pub fn plateaus(recording: &Path) -> (Vec<Plateau>, usize) {
             monitor_kpa: [0, 1, 2].map(|i| median(seen.iter().map(|(_, monitor, _)| monitor[i]))),
             z_mm: median(seen.iter().map(|(.., pose)| pose[2])),
             rz_rad: median(seen.iter().map(|(.., pose)| pose[3])),
+            aside_mm: [0, 1].map(|k| median(seen.iter().map(|(.., pose)| pose[k]))),
             spread: [half_range(2), half_range(3)],
             samples: seen.len(),
         });

@@ -2,7 +2,7 @@
 
 use crate::plateau::Plateau;
 use actuator::{
-    Module, Winding,
+    Module, PoseChart, Winding, Wrench,
     units::{KPA, MM},
 };
 use fe::{ConstantBending, Equilibrium, RodError, RodLaw, RodModule, RodSettings, ThickTube, TipLoad};
@@ -45,7 +45,7 @@ impl Default for Variation {
             threads: 1.0,
             bending: 1.0,
             spacers: 0,
-            elements: 10,
+            elements: 8,
             load: [0.0; 2],
         }
     }
@@ -235,4 +235,26 @@ impl ModulusScan {
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .unwrap_or((1.0, f64::NAN))
     }
+}
+
+/// What the guide would have to give to the plate, N along and N m about z, for the module as changed to stand where it was measured; by the
+/// module held there.
+///
+/// # Errors
+/// [`RodError`] where the rods cannot be set up.
+pub fn wanted_of_guide(
+    module: &Module,
+    variation: &Variation,
+    plateaus: &[Plateau],
+) -> Result<Vec<Option<[f64; 2]>>, RodError> {
+    let rods = rods(module, variation)?;
+    let height = rods.rest()?.state.chart.position[2];
+    let wanted = plateaus.iter().map(|plateau| {
+        let position = [0.0, 0.0, height + plateau.z_mm * MM];
+        let pose = PoseChart { twist: plateau.rz_rad, bend: [0.0; 2], position };
+        let found = rods.held(&pose).and_then(|held| held.solve(&plateau.command_kpa.map(|kpa| kpa * KPA)));
+        let given: Wrench = found.ok()?.wrenches.into_iter().sum();
+        Some([-given.force[2], -given.moment[2]])
+    });
+    Ok(wanted.collect())
 }

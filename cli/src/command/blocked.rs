@@ -98,11 +98,15 @@ impl Blocked {
             Description::Module(module) => module.length(),
         };
         let pose = self.pose(length)?;
-        output::make_directory(&self.out)?;
         let forces = match &rig.description {
             Description::Free(free) => self.free(free, &pose, pressures)?,
-            Description::Module(module) => self.module(module, &pose, pressures)?,
+            Description::Module(module) => {
+                // Before the work, not missed after it.
+                output::make_directory(&self.out)?;
+                self.module(module, &pose, pressures)?
+            }
         };
+        output::make_directory(&self.out)?;
         let report = Report::new(&rig.name, &pose, &forces);
         let files = report.write(&self.out)?;
         match json {
