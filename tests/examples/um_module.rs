@@ -198,6 +198,11 @@ fn reasons(module: &Module, found: &[Plateau], factor: f64) -> Result<(), Box<dy
         ("ends: FREEs 150 mm long", Variation { length: 150.0 / 160.0, ..base.clone() }, command(&part)),
         ("FREE 3 at 40.23 degrees", Variation { angle: 3.0 * DEG, ..base.clone() }, command(&part)),
         ("FREE 3 at 34.23 degrees", Variation { angle: -3.0 * DEG, ..base.clone() }, command(&part)),
+        (
+            "FREE 3 at 52.77 degrees from the hoop",
+            Variation { angle: 15.54 * DEG, ..base.clone() },
+            command(&part),
+        ),
         ("threads 0.5 % loose", Variation { slack: 0.005, ..base.clone() }, command(&part)),
         ("threads 1 % loose", Variation { slack: 0.01, ..base.clone() }, command(&part)),
         ("EA a tenth", Variation { threads: 0.1, ..base.clone() }, command(&part)),

@@ -57,12 +57,12 @@ fn wrench_is_minus_the_gradient_of_the_energy_in_the_pose() {
         assert_eq!(found.state.negative_pivots, 0);
         assert_eq!(found.wrenches.len(), if spacers == 0 { 3 } else { 1 });
         let given = total(&found);
-        for i in 0..6 {
+        for (i, given) in given.into_iter().enumerate() {
             let energy = |step: f64| at(unit(i, step)).energy;
             let slope =
                 (energy(-2.0) - 8.0 * energy(-1.0) + 8.0 * energy(1.0) - energy(2.0)) / (12.0 * size(i));
             // Fourth order, of forces that change by 3 N over a tenth of a millimetre where threads are taut.
-            assert!((given[i] + slope).abs() < 1e-5 * (1.0 + given[i].abs()), "{i}: {} {slope}", given[i]);
+            assert!((given + slope).abs() < 1e-5 * (1.0 + given.abs()), "{i}: {given} {slope}");
         }
     }
 }
