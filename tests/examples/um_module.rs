@@ -1,11 +1,11 @@
 //! Predicted and measured motion of a real module: three FREEs on a guide that leaves z and the rotation about z free.
 //!
-//! `cargo run --release -p freeact-tests --example um_module -- DIR [quick]`
+//! `cargo run --release -p freeact-tests --example um_module -- DIR [drawing] [fit] [reasons]`
 //!
 //! DIR holds `rig.toml` and `grid.csv` of D. Bruder's module of the University of Michigan (github.com/bruderd/UM-Matlab at 80fc221, which states no
 //! licence: the data are not part of this project). Everything is printed: what was recorded, the prediction from the drawing alone, with one
 //! shear modulus fitted to all FREEs, errors on combinations held out of the fit, and by how much each likely reason would change
-//! the prediction. `quick` leaves out the reasons. Minutes.
+//! the prediction. Naming parts prints those only. Minutes.
 
 use actuator::{
     Description, Module, Rig,
@@ -145,7 +145,7 @@ fn in_parts(motions: &[Option<Motion>], found: &[Plateau], range: [f64; 2]) {
     }
 }
 
-fn fit_and_judge(module: &Module, base: &Variation, found: &[Plateau]) -> Result<f64, Box<dyn Error>> {
+fn fit_and_judge(module: &Module, base: &Variation, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
     let range = ranges(found);
     let scan = ModulusScan::new(module, base, &FACTORS, &command(found))?;
     let (factor, [low, high]) = fitted(&scan, found);
@@ -176,13 +176,15 @@ fn fit_and_judge(module: &Module, base: &Variation, found: &[Plateau]) -> Result
         let others = motions.iter().zip(found).enumerate().filter(|(i, _)| !split(*i)).map(|(_, pair)| pair);
         tell(&format!("held out; fit on {name}: {own:.3}"), &Errors::of(others), range);
     }
-    Ok(factor)
+    Ok(())
 }
 
 /// What each reason would change, on every fourth row of the recording.
-fn reasons(module: &Module, found: &[Plateau], factor: f64) -> Result<(), Box<dyn Error>> {
+fn reasons(module: &Module, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
     let part: Vec<Plateau> = found.chunks(9).step_by(4).flatten().cloned().collect();
     let range = ranges(found);
+    let drawn = ModulusScan::new(module, &Variation::default(), &FACTORS, &command(&part))?;
+    let (factor, _) = drawn.fit(&part, &|_| true);
     let base = Variation { modulus: factor, ..Variation::default() };
     let before = predict(module, &base, &command(&part))?;
     let offset: [f64; 3] = std::array::from_fn(|free| {
@@ -240,7 +242,7 @@ fn reasons(module: &Module, found: &[Plateau], factor: f64) -> Result<(), Box<dy
         println!("{name:44} moves the plate by {:.3} mm and {:.4} rad (medians)", moved(0) / MM, moved(1));
     }
     println!(
-        "range of misfit: 1 is the whole range of the recording ({:.2} mm, {:.2} rad) in both",
+        "misfit: 1 is the whole range of the recording ({:.2} mm, {:.2} rad) in both",
         range[0], range[1]
     );
     println!(
@@ -267,18 +269,8 @@ fn reasons(module: &Module, found: &[Plateau], factor: f64) -> Result<(), Box<dy
     Ok(())
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let folder = PathBuf::from(arguments.next().ok_or("give the folder of rig.toml and grid.csv")?);
-    let quick = arguments.next().is_some_and(|word| word == "quick");
-    let rig = Rig::read(&folder.join("rig.toml"))?;
-    let Description::Module(module) = rig.description else {
-        return Err("rig.toml is not of a module".into());
-    };
-    let (found, lost) = plateaus(&folder.join("grid.csv"));
-    recorded(&found, lost);
-    let range = ranges(&found);
-
+fn from_the_drawing(rig: &Rig, module: &Module, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
+    let range = ranges(found);
     let map = ModuleSweep::default().empty_map(
         module.clone(),
         rig.limits.clone(),
@@ -289,22 +281,42 @@ fn main() -> Result<(), Box<dyn Error>> {
     head();
     for spacers in [0, 9] {
         let base = Variation { spacers, ..Variation::default() };
-        for (name, pressures) in [("command", command(&found)), ("monitor", monitor(&found))] {
-            // Tied FREEs are for comparison only, and the pressures hardly matter here.
+        for (name, pressures) in [("command", command(found)), ("monitor", monitor(found))] {
+            // Tied FREEs are for comparison only, and which pressures hardly matters here.
             if spacers > 0 && name == "monitor" {
                 continue;
             }
-            let motions = predict(&module, &base, &pressures)?;
-            tell(&format!("{spacers} spacers, by {name}"), &errors_where(&motions, &found, &|_| true), range);
+            let motions = predict(module, &base, &pressures)?;
+            tell(&format!("{spacers} spacers, by {name}"), &errors_where(&motions, found, &|_| true), range);
             if spacers == 0 && name == "command" {
-                in_parts(&motions, &found, range);
+                in_parts(&motions, found, range);
             }
         }
     }
-    let factor = fit_and_judge(&module, &Variation::default(), &found)?;
-    fit_and_judge(&module, &Variation { spacers: 9, ..Variation::default() }, &found)?;
-    if !quick {
-        reasons(&module, &found, factor)?;
+    Ok(())
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let folder = PathBuf::from(arguments.next().ok_or("give the folder of rig.toml and grid.csv")?);
+    let parts: Vec<String> = arguments.collect();
+    let wanted = |part: &str| parts.is_empty() || parts.iter().any(|own| own == part);
+    let rig = Rig::read(&folder.join("rig.toml"))?;
+    let Description::Module(module) = &rig.description else {
+        return Err("rig.toml is not of a module".into());
+    };
+    let (found, lost) = plateaus(&folder.join("grid.csv"));
+    recorded(&found, lost);
+    if wanted("drawing") {
+        from_the_drawing(&rig, module, &found)?;
+    }
+    if wanted("fit") {
+        for spacers in [0, 9] {
+            fit_and_judge(module, &Variation { spacers, ..Variation::default() }, &found)?;
+        }
+    }
+    if wanted("reasons") {
+        reasons(module, &found)?;
     }
     Ok(())
 }
