@@ -3,7 +3,7 @@ use crate::{
     failure::{Failure, Outcome},
     interrupt, output,
     progress::Progress,
-    study::{self, Bench, Done, Findings},
+    study::{self, Bench, Done, Findings, Laws},
     sweep,
 };
 use serde_json::json;
@@ -47,7 +47,7 @@ pub struct Reproduce {
 /// What computes the states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Fidelity {
-    /// A solid model of the whole tube with its caps
+    /// Single FREEs as solids with their caps, modules as rods
     Solid,
 }
 
@@ -60,6 +60,7 @@ impl Reproduce {
             coarse: self.coarse,
             jobs: self.jobs.map_or_else(sweep::processors, |jobs| jobs as usize),
             progress: Progress::bar("studies"),
+            laws: Laws::default(),
         };
         let Fidelity::Solid = self.fidelity;
         let mut done: Vec<Done> = vec![];

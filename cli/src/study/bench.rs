@@ -1,3 +1,4 @@
+use super::module_rods::Laws;
 use crate::{exit::Exit, failure::Failure, interrupt, progress::Progress};
 use actuator::units::KPA;
 use fe::{Deformation, SolidError, SolidLoad, SolidMesh, SolidSolver, SolidState, Specimen};
@@ -14,6 +15,8 @@ pub struct Bench {
     pub jobs: usize,
     /// Told of progress.
     pub progress: Progress,
+    /// Laws of FREEs that studies of modules share.
+    pub laws: Laws,
 }
 
 /// A body and the equilibria found on its way.

@@ -31,10 +31,11 @@ pub fn pictures(set: &ReachableSet, tracks: &[Track], name: &str) -> Vec<(String
     let mut pictures = vec![];
     let letter = ["x", "y", "z"];
     for (stem, along, [across, up], swapped) in VIEWS {
-        let title = format!("Reachable set of {name}, seen along {}, simulated", letter[along]);
+        let title = format!("Reachable set seen along {}, simulated", letter[along]);
         let mut chart = Chart {
             // From the side the set is thin, and would be a line.
             equal_axes: along == 2,
+            subtitle: name.to_owned(),
             ..Chart::new(title, format!("{} (mm)", letter[across]), format!("{} (mm)", letter[up]))
         };
         let middle = if along == 2 { 0.5 * (set.extent[2].0 + set.extent[2].1) } else { 0.0 };
@@ -64,11 +65,10 @@ pub fn pictures(set: &ReachableSet, tracks: &[Track], name: &str) -> Vec<(String
 pub fn reach(sideways: &Sideways, name: &str) -> Picture {
     let points = sideways.reaches();
     let points = points.filter_map(|(direction, reach)| Some((direction / DEG, reach?.0 / MM))).collect();
-    Chart::new(
-        format!("Sideways reach of {name}, simulated"),
+    let chart = Chart::new(
+        "Sideways reach, simulated",
         "direction from x, counter-clockwise seen from the tip (°)",
         "greatest distance from the axis (mm)",
-    )
-    .with(Series::new("", Mark::LinePoints, points))
-    .into()
+    );
+    Chart { subtitle: name.to_owned(), ..chart }.with(Series::new("", Mark::LinePoints, points)).into()
 }
