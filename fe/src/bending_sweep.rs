@@ -25,10 +25,6 @@ impl Default for BendingSweep {
     }
 }
 
-/// Length of an element along the tube, and along a fibre, over the outer radius.
-const ALONG: [f64; 2] = [0.26, 0.76];
-/// Least number of elements around.
-const LEAST_AROUND: usize = 12;
 /// First pressure as a share of the greatest: without any, threads that carry no thrust are neither taut nor slack.
 const FIRST: f64 = 0.02;
 /// Least twist times the outer radius that the torques are to give.
@@ -55,11 +51,7 @@ impl Tubes {
     fn new(free: &Free, length: f64) -> Result<Self, SolidError> {
         let mut free = *free;
         free.tube.length = length;
-        let fibres = free.winding.fibres.max(1) as usize;
-        let around = 2 * fibres * LEAST_AROUND.div_ceil(2 * fibres);
-        let longest = ALONG[0].min(ALONG[1] * free.winding.angle_from_hoop().sin());
-        let elements = (length / (longest * free.tube.outer_radius())).ceil() as usize;
-        let (specimen, mesh) = (Specimen::from(&free), SolidMesh::new(around, 2 * elements.div_ceil(2)));
+        let (specimen, mesh) = (Specimen::from(&free), SolidMesh::lean(&free));
         let whole = SolidSolver::new(&specimen, mesh)?;
         // Two fibres are the same after half a turn, which does not make their bending the same in all planes; one is not at all.
         Ok(if free.winding.fibres == 1 {

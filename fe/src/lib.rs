@@ -6,6 +6,7 @@ mod bending_table;
 mod blocked;
 mod capped_map;
 mod closed_form;
+mod contact;
 mod end_effect;
 mod free_map;
 mod free_sweep;
@@ -24,6 +25,7 @@ mod section;
 mod section_law;
 mod solid;
 mod solid_map;
+mod solid_module;
 mod sparse;
 mod tip_plate;
 
@@ -33,6 +35,7 @@ pub use bending_table::{BendingPlane, BendingSample, BendingTable};
 pub use blocked::{BlockedForces, BlockedSweep, HeldState};
 pub use capped_map::{CappedSweep, CapsReport};
 pub use closed_form::{ClosedFormError, ThickTube};
+pub use contact::Closest;
 pub use end_effect::{EndChange, EndEffect};
 pub use free_map::FreeSweep;
 pub use free_sweep::{FailedPath, FreeSweepError, FreeSweepReport, PathError};
@@ -42,7 +45,7 @@ pub use module_sweep_error::ModuleSweepError;
 pub use numerics::NUMERICS;
 pub use pressure_unit::PressureUnit;
 pub use rod::{
-    Closest, Configuration, Equilibrium, HeldModule, RodError, RodLaw, RodModule, RodSettings, SectionTable,
+    Configuration, Equilibrium, HeldModule, RodError, RodLaw, RodModule, RodSettings, SectionTable,
     TableError, TableGrid,
 };
 pub use rod_stiffness::{RodCompliance, StraightRod};
@@ -54,5 +57,9 @@ pub use solid::{
     SolidError, SolidLoad, SolidMesh, SolidMode, SolidPath, SolidSolver, SolidState, Specimen, Stability,
     StrainAt, StrainFacet, Strains, TipCompliance, write_pvd,
 };
+pub(crate) use solid::{CapForces, CapResponse, CarriedMotion, Lost};
 pub use solid_map::SolidSweep;
+pub use solid_module::{
+    HeldPlate, SolidEquilibrium, SolidModule, SolidModuleError, SolidModuleSettings, SolidShape,
+};
 pub use tip_plate::TipLoad;

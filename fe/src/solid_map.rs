@@ -4,11 +4,6 @@ use crate::{
 };
 use actuator::{Fidelity, Free, FreeMap, FreePath, FreeState, LoadedFree, MapAxis, units::DEG};
 
-/// Length of an element along the tube, over the outer radius: 1.45 mm for the paper's tube.
-const ALONG: f64 = 0.26;
-/// Greatest length of an element's edge along a fibre, over the outer radius. At low angles the fibre, not the tube, sets the
-/// number of elements along: an edge spans no more than 43 deg of its helix.
-const ALONG_FIBRE: f64 = 0.76;
 /// Least number of elements along: the middle fifth of the tube must hold two.
 const LEAST_ALONG: usize = 10;
 /// Least number of elements around; four for each fibre if that is more.
@@ -44,9 +39,8 @@ impl SolidSweep {
     /// 0.26 outer radii along the tube and 0.76 along a fibre.
     pub fn usual_mesh(free: &Free) -> SolidMesh {
         let fibres = free.winding.fibres.max(1) as usize;
-        let around = (2 * fibres * LEAST_AROUND.div_ceil(2 * fibres)).max(4 * fibres);
-        let angle = free.winding.angle_from_hoop();
-        let longest = free.tube.outer_radius() * ALONG.min(ALONG_FIBRE * angle.sin());
+        let around = SolidMesh::around(free, LEAST_AROUND).max(4 * fibres);
+        let longest = SolidMesh::longest_element(free);
         // In fives, so that nodes lie at the ends of the middle fifth.
         let along = 5 * (free.tube.length / (5.0 * longest)).ceil().min(1e6) as usize;
         SolidMesh { radial: RADIAL, ..SolidMesh::new(around, along.max(LEAST_ALONG)) }
@@ -56,9 +50,7 @@ impl SolidSweep {
     pub fn mesh(&self, free: &Free) -> SolidMesh {
         match self.elements {
             None => Self::usual_mesh(free),
-            Some([radial, around, along]) => {
-                SolidMesh { radial: radial as usize, ..SolidMesh::new(around as usize, along as usize) }
-            }
+            Some(elements) => SolidMesh::of_elements(elements),
         }
     }
 

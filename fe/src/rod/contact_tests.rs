@@ -6,44 +6,6 @@ use crate::{
 use actuator::Handedness;
 
 #[test]
-fn straight_pieces_are_as_near_as_said() {
-    let v = Vector3::new;
-    // Crossing, end to side, end to end, and side by side.
-    let cases = [
-        ([v(-1.0, 0.0, 0.0), v(1.0, 0.0, 0.0)], [v(0.5, -1.0, 2.0), v(0.5, 1.0, 2.0)], 2.0),
-        ([v(-1.0, 0.0, 0.0), v(1.0, 0.0, 0.0)], [v(0.5, 3.0, 0.0), v(0.7, 9.0, 1.0)], 3.0),
-        ([v(-1.0, 0.0, 0.0), v(1.0, 0.0, 0.0)], [v(4.0, 4.0, 0.0), v(9.0, 9.0, 0.0)], 5.0),
-        ([v(0.0, 0.0, 0.0), v(0.0, 0.0, 1.0)], [v(0.3, 0.4, 0.9), v(0.3, 0.4, 2.0)], 0.5),
-    ];
-    for (one, other, distance) in cases {
-        for (a, b) in [(one, other), (other, one), ([one[1], one[0]], other)] {
-            assert!((between(a, b).0 - distance).abs() < 1e-14, "{a:?} {b:?}: {:?}", between(a, b));
-        }
-    }
-}
-
-/// Two circular arcs that bend towards each other: the polylines' gap falls to the arcs' with the square of the pieces.
-#[test]
-fn polylines_become_their_arcs() {
-    let gap = |pieces: usize| {
-        let arc = |side: f64| Tube {
-            points: (0..=pieces)
-                .map(|i| 1.7 * i as f64 / pieces as f64 - 0.75)
-                .map(|angle| Vector3::new(side * (2.0 - angle.cos()), 0.0, angle.sin()))
-                .collect(),
-            radii: vec![0.25; pieces],
-            piece: 1.7 / pieces as f64,
-        };
-        let (gap, along) = arc(1.0).nearest(&arc(-1.0));
-        assert!((along[0] - 0.75).abs() < 0.501 * 1.7 / pieces as f64);
-        gap - 1.5
-    };
-    // The nearest place is in the middle of a piece both times.
-    let [coarse, fine] = [17, 51].map(gap);
-    assert!(((coarse / fine).ln() / 3f64.ln() - 2.0).abs() < 0.01 && fine.abs() < 1e-3, "{coarse} {fine}");
-}
-
-#[test]
 fn straight_frees_touch_when_their_radii_say_so() {
     let pair = left_right([0.0; 3]);
     let rods = analytic(&pair, RodSettings::default());

@@ -1,10 +1,13 @@
 use super::{
     chain::{Chain, Condensed},
-    contact::Closest,
     module::RodModule,
     path::Loads,
 };
-use crate::{rigid_motion::Frame, tip_plate::Plate};
+use crate::{
+    contact::Closest,
+    rigid_motion::Frame,
+    tip_plate::{Plate, in_kpa},
+};
 use actuator::{ModuleState, PoseChart, Wrench};
 use nalgebra::{Vector3, Vector6};
 use std::fmt;
@@ -106,11 +109,6 @@ pub enum RodError {
         /// Shape of the equilibrium, which is not to be trusted.
         last: Box<Configuration>,
     },
-}
-
-fn in_kpa(pressures: &[f64]) -> String {
-    let words: Vec<String> = pressures.iter().map(|p| format!("{:.3}", p / 1e3)).collect();
-    format!("({})", words.join(", "))
 }
 
 impl RodModule {

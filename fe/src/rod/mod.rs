@@ -21,7 +21,6 @@ mod specimens;
 mod system;
 mod table;
 
-pub use contact::Closest;
 pub use equilibrium::{Configuration, Equilibrium, RodError};
 pub use held::HeldModule;
 pub use module::{RodLaw, RodModule};

@@ -121,10 +121,13 @@ impl Body {
             }
         }
         let (mut gradient, mut tangent) = ([0.0; MAX_UNKNOWNS], [0.0; MAX_UNKNOWNS * MAX_UNKNOWNS]);
-        for fibre in &self.fibres.elements {
+        for (index, fibre) in self.fibres.elements.iter().enumerate() {
             energy += fibre
                 .evaluate(&state.positions, &state.rotations, &mut gradient, &mut tangent)
                 .ok_or(Inverted)?;
+            if let (true, Some(foreseen)) = (with_tangent, &self.foreseen) {
+                foreseen.put_into(index, fibre, &state.positions, &mut tangent).ok_or(Inverted)?;
+            }
             let blocks = fibre.blocks();
             let unknowns = 3 * blocks.len();
             squares += gradient[..unknowns].iter().map(|value| value * value).sum::<f64>();
@@ -289,6 +292,14 @@ impl Body {
             };
             (0..3).for_each(|i| on[first + i] += weight[i]);
         }
+    }
+
+    /// Work of the load's gravity on the rubber on its way from the undeformed body, J; without the cap's own mass.
+    pub fn weight_work(&self, state: &SolidState) -> f64 {
+        let moved =
+            |point: usize| Vector3::from(state.positions[point]) - Vector3::from(self.grid.points[point]);
+        let gravity = state.load.gravity;
+        self.masses.iter().enumerate().map(|(point, mass)| mass * gravity.dot(&moved(point))).sum()
     }
 
     /// Adds `factor` times dead forces in space, on all points of their own and on the cap's middle, to forces on the unknowns.

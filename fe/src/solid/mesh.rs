@@ -1,4 +1,5 @@
 use super::{SolidError, Specimen};
+use actuator::Free;
 use std::f64::consts::TAU;
 
 /// How finely a specimen is divided into 27-node hexahedra.
@@ -20,6 +21,31 @@ impl SolidMesh {
     /// One element through the wall, `around` around and `along` along, following the fibres.
     pub fn new(around: usize, along: usize) -> Self {
         SolidMesh { radial: 1, around, under_fibre: 0, along, follows_fibres: true }
+    }
+
+    /// Elements through the wall, around and along.
+    pub(crate) fn of_elements([radial, around, along]: [u32; 3]) -> Self {
+        SolidMesh { radial: radial as usize, ..SolidMesh::new(around as usize, along as usize) }
+    }
+
+    /// Greatest length of an element along a FREE, m, that keeps it well shaped: 0.26 outer radii (1.45 mm for the paper's tube), and no
+    /// more than spans 0.76 of them along a fibre. At low angles the fibre, not the tube, sets it: an edge spans no more than 43 deg of
+    /// its helix.
+    pub(crate) fn longest_element(free: &Free) -> f64 {
+        free.tube.outer_radius() * 0.26f64.min(0.76 * free.winding.angle_from_hoop().sin())
+    }
+
+    /// Elements around a FREE: an even number for each fibre, at least so many.
+    pub(crate) fn around(free: &Free, least: usize) -> usize {
+        let each = 2 * free.winding.fibres.max(1) as usize;
+        each * least.div_ceil(each)
+    }
+
+    /// The leanest mesh that is good for bending and for modules: one element through the wall, two around for each fibre (at least 12
+    /// in all), as many along as keep them well shaped.
+    pub fn lean(free: &Free) -> Self {
+        let along = (free.tube.length / Self::longest_element(free)).ceil().min(1e6) as usize;
+        SolidMesh::new(Self::around(free, 12), 2 * along.div_ceil(2))
     }
 
     /// Every element divided in `factor` in all three directions.

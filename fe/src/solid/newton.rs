@@ -59,7 +59,7 @@ pub struct SolidSolver {
 
 /// Why Newton's method gave up: the last relative residual.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Lost(pub f64);
+pub(crate) struct Lost(pub f64);
 
 impl SolidSolver {
     /// The whole specimen.
@@ -136,7 +136,12 @@ impl SolidSolver {
     /// Relative residual of the last assembly.
     fn error(&self, load: &SolidLoad) -> f64 {
         let cap = self.body.cap_unknown;
-        let free = |index: usize| index < cap || !load.held[index - cap];
+        self.relative(&|index| index < cap || !load.held[index - cap])
+    }
+
+    /// Residual of the last assembly in the unknowns that count, over the size of the forces; or the mismatch of volume, if that is larger.
+    pub(super) fn relative(&self, counts: &dyn Fn(usize) -> bool) -> f64 {
+        let cap = self.body.cap_unknown;
         // Turns weigh as forces at the outer radius.
         let radius = self.body.specimen.tube.outer_radius();
         let squares: f64 = self
@@ -144,16 +149,22 @@ impl SolidSolver {
             .residual
             .iter()
             .enumerate()
-            .filter(|(index, _)| free(*index))
+            .filter(|(index, _)| counts(*index))
             .map(|(index, value)| if index >= cap + 3 { (value / radius).powi(2) } else { value * value })
             .sum();
+        (squares.sqrt() / self.force_scale()).max(self.forces.mismatch)
+    }
+
+    /// Size of the forces that cancel in the last assembly, N.
+    pub(super) fn force_scale(&self) -> f64 {
+        let radius = self.body.specimen.tube.outer_radius();
         // Without load there is nothing to compare with but the rubber's own stiffness.
         let (modulus, ratio) =
             (self.body.specimen.elastomer.initial_shear_modulus(), self.body.specimen.bulk_ratio);
         // Places are rounded to an epsilon of the length, which the bulk modulus makes into forces.
         let rounding = 0.1 * f64::EPSILON * ratio * self.body.specimen.tube.length / radius;
         let least = modulus * radius * radius * (rounding / TOLERANCE).max(1e-6);
-        (squares.sqrt() / self.forces.scale.max(least)).max(self.forces.mismatch)
+        self.forces.scale.max(least)
     }
 
     /// Force (N) and moment (N m, in space) that must act on the cap beside the load to hold it: zero in the directions that are free.

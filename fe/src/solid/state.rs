@@ -1,6 +1,6 @@
 use super::{fibre::Fibres, mesh::Grid};
 use actuator::EndLoad;
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
 
 /// What acts on a solid, in the base frame. Its base is clamped; the tip's cap is rigid.
@@ -94,7 +94,7 @@ pub struct SolidState {
     /// Its rotation from the undeformed state.
     pub(super) cap_rotation: UnitQuaternion<f64>,
     /// What acts.
-    pub(super) load: SolidLoad,
+    pub(crate) load: SolidLoad,
     /// Energy stored in rubber and fibres, J (of the part that is meshed).
     pub(super) energy: f64,
     /// Enclosed volume, m^3 (of the part that is meshed).
@@ -120,16 +120,18 @@ impl SolidState {
     }
 }
 
-/// A change of a configuration that turns the tube's cross-sections instead of shearing them: each plane of points is shifted as
-/// a whole, and within it a point moves away from the plane's middle, around it and along the plane's normal.
+/// A change of a configuration that turns the tube's cross-sections instead of shearing them: each plane of points is shifted and
+/// turned as a whole, and within it a point moves away from the plane's middle, around it and along the plane's normal.
 ///
-/// To first order it is the displacement it is made from; a turn of any size about the axis is exact, where Cartesian displacements
-/// would stretch fibres by the square of the angle (a degree of cap rotation a step, with stiff ones).
+/// To first order it is the displacement it is made from; a turn of any size is exact, where Cartesian displacements would stretch
+/// fibres by the square of the angle (a degree of cap rotation a step, with stiff ones).
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Motion {
+pub(crate) struct Motion {
     /// Shift of each plane, m.
     pub shifts: Vec<Vector3<f64>>,
-    /// For each point: outwards (m), around (rad), along the normal (m).
+    /// Turn of each plane about its middle, rad.
+    pub turns: Vec<Vector3<f64>>,
+    /// For each point, beside that: outwards (m), around (rad), along the normal (m).
     pub points: Vec<[f64; 3]>,
     /// Changes of the elements' pressures, Pa.
     pub pressures: Vec<[f64; 4]>,
@@ -143,6 +145,7 @@ impl Motion {
     pub fn none(state: &SolidState, planes: usize) -> Self {
         Motion {
             shifts: vec![Vector3::zeros(); planes],
+            turns: vec![Vector3::zeros(); planes],
             points: vec![[0.0; 3]; state.positions.len()],
             pressures: vec![[0.0; 4]; state.pressures.len()],
             rotations: vec![Vector3::zeros(); state.rotations.len()],
@@ -165,7 +168,12 @@ impl Motion {
         };
         each(self.points.as_flattened_mut(), other.points.as_flattened());
         each(self.pressures.as_flattened_mut(), other.pressures.as_flattened());
-        for (to, from) in [(&mut self.shifts, &other.shifts), (&mut self.rotations, &other.rotations)] {
+        let vectors = [
+            (&mut self.shifts, &other.shifts),
+            (&mut self.turns, &other.turns),
+            (&mut self.rotations, &other.rotations),
+        ];
+        for (to, from) in vectors {
             for (to, from) in to.iter_mut().zip(from) {
                 *to += factor * from;
             }
@@ -230,6 +238,35 @@ pub(super) fn set_local_frames(grid: &Grid, positions: &[[f64; 3]], frames: &mut
     }
 }
 
+/// Turn of a plane of points about its middle by which their displacements beyond the middle's shift are met best: around, in the mean
+/// of their angles, and out of the plane, by least squares.
+fn plane_turn(
+    grid: &Grid,
+    points: &[[f64; 3]],
+    displacements: &[[f64; 3]],
+    (middle, shift): (Vector3<f64>, Vector3<f64>),
+    normal: Vector3<f64>,
+) -> Vector3<f64> {
+    // A sector turns about the axis alone, which its points do for themselves.
+    if grid.sectors > 1 {
+        return Vector3::zeros();
+    }
+    // Out of the plane by t.(a x n) for a tilt t and an arm a in the plane.
+    let (mut around_sum, mut squares, mut moments) = (0.0, Matrix3::zeros(), Vector3::zeros());
+    for (at, displacement) in points.iter().zip(displacements) {
+        let ([outward, around], radius, _) = local_frame(Vector3::from(*at), middle, normal);
+        let moved = Vector3::from(*displacement) - shift;
+        around_sum += moved.dot(&around) / radius;
+        let lever = radius * outward.cross(&normal);
+        squares += lever * lever.transpose();
+        moments += lever * moved.dot(&normal);
+    }
+    // The levers lie in the plane: along the normal the sum is made regular.
+    squares += normal * normal.transpose() * (0.5 * squares.trace());
+    let tilt = squares.try_inverse().map_or(Vector3::zeros(), |inverse| inverse * moments);
+    tilt + normal * (around_sum / points.len() as f64)
+}
+
 /// The motion of which `displacements` of the points are the first order. Pressures, rotations and cap are left at zero.
 pub(super) fn motion_of(grid: &Grid, state: &SolidState, displacements: &[[f64; 3]]) -> Motion {
     let planes = Planes::new(grid, &state.positions);
@@ -242,12 +279,20 @@ pub(super) fn motion_of(grid: &Grid, state: &SolidState, displacements: &[[f64; 
         if grid.sectors > 1 {
             *shift = Vector3::new(0.0, 0.0, shift.z);
         }
+        let (middle, normal) = (planes.middles[k], planes.normals[k]);
+        let turn = plane_turn(
+            grid,
+            &state.positions[range.clone()],
+            &displacements[range.clone()],
+            (middle, *shift),
+            normal,
+        );
+        motion.turns[k] = turn;
         for point in range {
             let at = Vector3::from(state.positions[point]);
-            let ([outward, around], radius, _) = local_frame(at, planes.middles[k], planes.normals[k]);
-            let moved = Vector3::from(displacements[point]) - *shift;
-            motion.points[point] =
-                [moved.dot(&outward), moved.dot(&around) / radius, moved.dot(&planes.normals[k])];
+            let ([outward, around], radius, _) = local_frame(at, middle, normal);
+            let moved = Vector3::from(displacements[point]) - *shift - turn.cross(&(at - middle));
+            motion.points[point] = [moved.dot(&outward), moved.dot(&around) / radius, moved.dot(&normal)];
         }
     }
     motion
@@ -263,12 +308,27 @@ pub(super) fn motion_between(grid: &Grid, from: &SolidState, to: &SolidState, ab
     for (k, shift) in motion.shifts.iter_mut().enumerate() {
         *shift = moved.middles[k] - planes.middles[k];
     }
+    let arm = |back: &Rotation3<f64>, point: usize| {
+        back * (Vector3::from(to.positions[point]) - moved.middles[point / each])
+    };
+    for (k, turn) in motion.turns.iter_mut().enumerate() {
+        let (points, back) = (k * each..(k + 1) * each, Rotation3::new(-*turn));
+        let left = |point| arm(&back, point) + planes.middles[k] - Vector3::from(from.positions[point]);
+        let left: Vec<[f64; 3]> = points.clone().map(|point| left(point).into()).collect();
+        let middle = (planes.middles[k], Vector3::zeros());
+        let more = plane_turn(grid, &from.positions[points], &left, middle, planes.normals[k]);
+        // Turns of a plane and of its points are nothing together, too.
+        let whole = (Rotation3::new(*turn) * Rotation3::new(more)).scaled_axis();
+        let axis = whole.try_normalize(0.0).unwrap_or(Vector3::z());
+        *turn = whole + axis * (TAU * ((turn.dot(&axis) - whole.norm()) / TAU).round());
+    }
+    let backs: Vec<Rotation3<f64>> = motion.turns.iter().map(|turn| Rotation3::new(-turn)).collect();
     for (point, entry) in motion.points.iter_mut().enumerate() {
         let k = point / each;
         let (middle, normal) = (planes.middles[k], planes.normals[k]);
         let at = Vector3::from(from.positions[point]);
         let ([outward, around], radius, height) = local_frame(at, middle, normal);
-        let arm = Vector3::from(to.positions[point]) - moved.middles[k];
+        let arm = arm(&backs[k], point);
         let (x, y) = (arm.dot(&outward), arm.dot(&around));
         let angle = y.atan2(x);
         let turns = ((entry[1] - angle) / TAU).round();
@@ -287,6 +347,7 @@ impl SolidState {
     pub(super) fn moved(&self, grid: &Grid, motion: &Motion) -> SolidState {
         let planes = Planes::new(grid, &self.positions);
         let each = grid.lines[0] * grid.lines[1];
+        let turns: Vec<Rotation3<f64>> = motion.turns.iter().map(|turn| Rotation3::new(*turn)).collect();
         let mut next = self.clone();
         for (point, [out, around, along]) in motion.points.iter().copied().enumerate() {
             let k = point / each;
@@ -294,11 +355,8 @@ impl SolidState {
             let ([e_out, e_around], radius, height) =
                 local_frame(Vector3::from(self.positions[point]), middle, normal);
             let (sine, cosine) = around.sin_cos();
-            let place = middle
-                + motion.shifts[k]
-                + (radius + out) * (cosine * e_out + sine * e_around)
-                + (height + along) * normal;
-            next.positions[point] = place.into();
+            let arm = (radius + out) * (cosine * e_out + sine * e_around) + (height + along) * normal;
+            next.positions[point] = (middle + motion.shifts[k] + turns[k] * arm).into();
         }
         for (pressure, change) in
             next.pressures.as_flattened_mut().iter_mut().zip(motion.pressures.as_flattened())

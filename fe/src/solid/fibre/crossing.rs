@@ -37,12 +37,12 @@ pub(crate) struct Crossing {
     /// Of a whole fibre, N.
     axial_stiffness: f64,
     /// Factors of the nine points in y_g.
-    slopes: [[f64; 9]; 4],
+    pub(super) slopes: [[f64; 9]; 4],
     points: Vec<Point>,
 }
 
 /// What the points' energies add up to, as a function of the four |y_g|^2: value, twice the gradient, four times the Hessian.
-type BySamples = (f64, [f64; 4], [[f64; 4]; 4]);
+pub(super) type BySamples = (f64, [f64; 4], [[f64; 4]; 4]);
 
 impl Crossing {
     /// The pieces of a family's fibres in the face of the given points; `reference` are all points' positions, m.
@@ -94,7 +94,7 @@ impl Crossing {
         &self.blocks
     }
 
-    fn samples(&self, positions: &[[f64; 3]]) -> [[f64; 3]; 4] {
+    pub(super) fn samples(&self, positions: &[[f64; 3]]) -> [[f64; 3]; 4] {
         let corner = positions[self.face[0] as usize];
         // Relative to one of them: far from the origin nothing is lost.
         let near = self.face.map(|point| {
@@ -114,7 +114,7 @@ impl Crossing {
         self.law == FibreLaw::TensionOnly && stretch <= 1.0
     }
 
-    fn by_samples(&self, metric: &[f64; 4]) -> Option<BySamples> {
+    pub(super) fn by_samples(&self, metric: &[f64; 4]) -> Option<BySamples> {
         let mut sum: BySamples = (0.0, [0.0; 4], [[0.0; 4]; 4]);
         for Point { factors, weight, .. } in &self.points {
             let square: f64 = factors.iter().zip(metric).map(|(factor, m)| factor * m).sum();

@@ -2,6 +2,7 @@
 
 mod beam;
 mod crossing;
+mod foreseen;
 mod surface;
 #[cfg(test)]
 mod tests;
@@ -13,6 +14,7 @@ use actuator::Winding;
 pub(crate) use beam::Beam;
 use beam::BeamPlace;
 pub(crate) use crossing::Crossing;
+pub(crate) use foreseen::ForeseenTensions;
 use nalgebra::{UnitQuaternion, Vector3, Vector6};
 use std::{collections::BTreeMap, f64::consts::TAU};
 use surface::SurfacePoint;

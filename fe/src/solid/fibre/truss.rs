@@ -11,11 +11,11 @@ use actuator::{Fibre, FibreLaw};
 pub(super) const GAUSS: [(f64, f64); 2] = [(0.211_324_865_405_187_1, 0.5), (0.788_675_134_594_812_9, 0.5)];
 
 #[derive(Clone, Copy, Debug)]
-struct Gauss {
+pub(super) struct Gauss {
     /// dN_a/ds, 1/m, by reference arc length, in the order of the element's blocks.
-    slopes: [f64; 9],
+    pub slopes: [f64; 9],
     /// EA ds, N m.
-    weight: f64,
+    pub weight: f64,
 }
 
 /// Where an integration point is; not needed to solve.
@@ -38,7 +38,7 @@ pub(crate) struct Truss {
     law: FibreLaw,
     /// Of a whole fibre, N.
     axial_stiffness: f64,
-    points: Vec<Gauss>,
+    pub(super) points: Vec<Gauss>,
     places: Vec<Place>,
 }
 
@@ -108,7 +108,7 @@ impl Truss {
         &self.blocks
     }
 
-    fn gather(&self, positions: &[[f64; 3]]) -> [[f64; 3]; 9] {
+    pub(super) fn gather(&self, positions: &[[f64; 3]]) -> [[f64; 3]; 9] {
         let mut gathered = [[0.0; 3]; 9];
         for (place, block) in gathered.iter_mut().zip(&self.blocks) {
             if let Block::Point(point) = block {
@@ -118,7 +118,7 @@ impl Truss {
         gathered
     }
 
-    fn combine(&self, factors: &[f64; 9], positions: &[[f64; 3]; 9]) -> [f64; 3] {
+    pub(super) fn combine(&self, factors: &[f64; 9], positions: &[[f64; 3]; 9]) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for (factor, position) in factors.iter().zip(positions).take(self.blocks.len()) {
             sum.iter_mut().zip(position).for_each(|(total, x)| *total += factor * x);
@@ -126,7 +126,7 @@ impl Truss {
         sum
     }
 
-    fn is_slack(&self, stretch: f64) -> bool {
+    pub(super) fn is_slack(&self, stretch: f64) -> bool {
         self.law == FibreLaw::TensionOnly && stretch <= 1.0
     }
 
