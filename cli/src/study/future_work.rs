@@ -1,7 +1,8 @@
-//! What the paper leaves to later: loads at the tip, several families of fibres, another rubber.
+//! What the paper leaves to later: loads at the tip, several families of fibres, another rubber, blocked forces.
 
 use super::{
     bench::{Bench, failure, steps},
+    blocked_force,
     findings::{Curves, Finding, Findings, Titled, Verdict},
     module_rods::{KINDS, SPACING_MM, TIED},
     specimen::{SHEAR_MODULUS, free},
@@ -35,6 +36,7 @@ pub fn compute(bench: &Bench) -> Result<Findings, Failure> {
     loads(bench, &mut findings)?;
     families(bench, &mut findings)?;
     rubber(&mut findings)?;
+    blocked_force::judge(bench, &mut findings)?;
     findings.findings.push(Finding {
         row: "P13",
         claim: "dynamics",

@@ -1,6 +1,7 @@
 //! The paper's studies, each computed anew: claim, ours, verdict. One study a file; the mechanics are in `fe`.
 
 mod bench;
+mod blocked_force;
 mod extension;
 mod findings;
 mod future_work;
