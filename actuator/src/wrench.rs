@@ -65,9 +65,9 @@ mod tests {
     #[test]
     fn wrenches_add_component_by_component() {
         let a = Wrench { force: [1.0, 2.0, 3.0], moment: [4.0, 5.0, 6.0] };
-        let b = Wrench::from_array([0.5; 6]);
+        let b = Wrench::from_array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0]);
         let sum: Wrench = [a, b * 2.0, b].into_iter().sum();
-        assert_eq!((sum - a).to_array(), [1.5; 6]);
+        assert_eq!((sum - a).to_array(), [1.5, 3.0, 4.5, 6.0, 7.5, 9.0]);
         assert_eq!(Wrench::from_array(a.to_array()), a);
     }
 }

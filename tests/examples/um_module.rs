@@ -1,6 +1,6 @@
 //! Predicted and measured motion of a real module: three FREEs on a guide that leaves z and the rotation about z free.
 //!
-//! `cargo run --release -p freeact-tests --example um_module -- DIR [drawing] [fit] [reasons]`
+//! `cargo run --release -p freeact-tests --example um_module -- DIR [drawing] [fit] [reasons] [guide]`
 //!
 //! DIR holds `rig.toml` and `grid.csv` of D. Bruder's module of the University of Michigan (github.com/bruderd/UM-Matlab at 80fc221, which states no
 //! licence: the data are not part of this project). Everything is printed: what was recorded, the prediction from the drawing alone, with one
@@ -8,13 +8,13 @@
 //! the prediction. Naming parts prints those only. Minutes.
 
 use actuator::{
-    Description, Module, Rig,
-    units::{DEG, MM},
+    Description, Module, PoseChart, Rig, Wrench,
+    units::{DEG, KPA, MM},
 };
 use fe::ModuleSweep;
 use freeact_tests::{
     plateau::{Plateau, plateaus},
-    um_module::{Errors, ModulusScan, Motion, Variation, predict, ranges, wanted_of_guide},
+    um_module::{Errors, ModulusScan, Motion, Variation, predict, ranges, rods, wanted_of_guide},
 };
 use std::{error::Error, path::PathBuf};
 
@@ -179,12 +179,20 @@ fn fit_and_judge(module: &Module, base: &Variation, found: &[Plateau]) -> Result
     Ok(())
 }
 
+/// Of nine plateaus that FREE 3 rises through, every fourth.
+fn every_fourth_row(found: &[Plateau]) -> Vec<Plateau> {
+    found.chunks(9).step_by(4).flatten().cloned().collect()
+}
+
+fn drawn(module: &Module, part: &[Plateau]) -> Result<ModulusScan, Box<dyn Error>> {
+    Ok(ModulusScan::new(module, &Variation::default(), &FACTORS, &command(part))?)
+}
+
 /// What each reason would change, on every fourth row of the recording.
 fn reasons(module: &Module, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
-    let part: Vec<Plateau> = found.chunks(9).step_by(4).flatten().cloned().collect();
+    let part = every_fourth_row(found);
     let range = ranges(found);
-    let drawn = ModulusScan::new(module, &Variation::default(), &FACTORS, &command(&part))?;
-    let (factor, _) = drawn.fit(&part, &|_| true);
+    let (factor, _) = drawn(module, &part)?.fit(&part, &|_| true);
     let base = Variation { modulus: factor, ..Variation::default() };
     let before = predict(module, &base, &command(&part))?;
     let offset: [f64; 3] = std::array::from_fn(|free| {
@@ -233,20 +241,30 @@ fn reasons(module: &Module, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
             errors.rms[1]
         );
     }
-    for (name, load) in
-        [("a force of 10 N along z", [10.0, 0.0]), ("a moment of 0.01 N m about z", [0.0, 0.01])]
-    {
-        let changed = predict(module, &Variation { load, ..base.clone() }, &command(&part))?;
-        let both = || changed.iter().zip(&before).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
-        let moved = |k: usize| median(both().map(|(a, b)| (a[k] - b[k]).abs()).collect());
-        println!("{name:44} moves the plate by {:.3} mm and {:.4} rad (medians)", moved(0) / MM, moved(1));
-    }
     println!(
         "misfit: 1 is the whole range of the recording ({:.2} mm, {:.2} rad) in both",
         range[0], range[1]
     );
+    Ok(())
+}
+
+/// What the guide has to do with it: the wrench that it would have to give, and how far little of it moves the plate.
+fn guide(module: &Module, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
+    let part = every_fourth_row(found);
+    let (factor, _) = drawn(module, &part)?.fit(&part, &|_| true);
+    let blocked = rods(module, &Variation::default())?;
+    let rest = PoseChart { twist: 0.0, bend: [0.0; 2], position: [0.0, 0.0, module.length()] };
     println!(
-        "\nWhat the guide would have to give for the module to stand where it was measured (plate held there): N along z, N m about z"
+        "\nForce along z and moment about z of one FREE at its greatest pressure, plate held at rest, from the drawing"
+    );
+    for (free, top) in [68.9476, 68.9476, 137.8951].into_iter().enumerate() {
+        let mut pressures = [0.0; 3];
+        pressures[free] = top * KPA;
+        let given: Wrench = blocked.held(&rest)?.solve(&pressures)?.wrenches.into_iter().sum();
+        println!("FREE {}: {:8.1} N {:8.4} N m at {top:.1} kPa", free + 1, given.force[2], given.moment[2]);
+    }
+    println!(
+        "\nWhat the guide would have to give for the module to stand where it was measured (plate held there), medians"
     );
     for modulus in [1.0, factor] {
         let wanted = wanted_of_guide(module, &Variation { modulus, ..Variation::default() }, &part)?;
@@ -257,12 +275,28 @@ fn reasons(module: &Module, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
             let of = |k: usize| median(own().map(|(wanted, _)| wanted[k]).collect());
             let size = |k: usize| median(own().map(|(wanted, _)| wanted[k].abs()).collect());
             println!(
-                "modulus x {modulus:5.2}, FREE 3 at {name:9} kPa: median {:7.2} N {:8.4} N m, of sizes {:7.2} N {:8.4} N m ({} held)",
+                "modulus x {modulus:5.2}, FREE 3 at {name:9} kPa: {:7.2} N {:8.4} N m; sizes {:7.2} N {:8.4} N m ({} held)",
                 of(0),
                 of(1),
                 size(0),
                 size(1),
                 own().count()
+            );
+        }
+    }
+    println!("\nWhere FREE 3 has up to 52 kPa, medians:");
+    let low: Vec<Plateau> = part.iter().filter(|plateau| plateau.command_kpa[2] < 60.0).cloned().collect();
+    for modulus in [1.0, factor] {
+        let base = Variation { modulus, ..Variation::default() };
+        let before = predict(module, &base, &command(&low))?;
+        for (name, load) in [("10 N along z", [10.0, 0.0]), ("0.01 N m about z", [0.0, 0.01])] {
+            let changed = predict(module, &Variation { load, ..base.clone() }, &command(&low))?;
+            let both = || changed.iter().zip(&before).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
+            let moved = |k: usize| median(both().map(|(a, b)| (a[k] - b[k]).abs()).collect());
+            println!(
+                "modulus x {modulus:5.2}: {name:16} moves the plate by {:.3} mm and {:.4} rad",
+                moved(0) / MM,
+                moved(1)
             );
         }
     }
@@ -317,6 +351,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     if wanted("reasons") {
         reasons(module, &found)?;
+    }
+    if wanted("guide") {
+        guide(module, &found)?;
     }
     Ok(())
 }
