@@ -45,8 +45,8 @@ pub use module_sweep_error::ModuleSweepError;
 pub use numerics::NUMERICS;
 pub use pressure_unit::PressureUnit;
 pub use rod::{
-    Configuration, Equilibrium, HeldModule, RodError, RodLaw, RodModule, RodSettings, SectionTable,
-    TableError, TableGrid,
+    Buckling, BucklingMode, Configuration, Equilibrium, HeldModule, IdlePressure, RodError, RodLaw,
+    RodModule, RodSettings, SectionTable, TableError, TableGrid,
 };
 pub use rod_stiffness::{RodCompliance, StraightRod};
 pub use run::{Run, Shard};

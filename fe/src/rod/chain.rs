@@ -153,14 +153,14 @@ impl Chain<'_> {
         Some(assembly)
     }
 
-    /// Eliminates the inner nodes from the base up; `None` when one of their blocks is singular.
-    pub fn condense(&self, assembly: &Assembly) -> Option<Condensed> {
+    /// Eliminates the inner nodes, each made stiffer by `stiffener`, from the base up; `None` when one of their blocks is singular.
+    pub fn condense(&self, assembly: &Assembly, stiffener: &Matrix6<f64>) -> Option<Condensed> {
         let last = assembly.columns.len() - 1;
         let mut moves = Vec::with_capacity(last);
         let mut negative = 0;
         let (mut block, mut columns) = (assembly.diagonal[0], assembly.columns[0].clone());
         for k in 0..last {
-            let InvertedBlock { inverse, negative: more } = InvertedBlock::new(&block)?;
+            let InvertedBlock { inverse, negative: more } = InvertedBlock::new(&(block + stiffener))?;
             negative += more;
             let upper = assembly.upper[k];
             let (own, follow) = (-(inverse * columns), -inverse * upper);
@@ -189,15 +189,15 @@ fn hung(weight: &Vector3<f64>, at: &Frame) -> (f64, Vector6<f64>, Matrix6<f64>) 
 }
 
 impl Condensed {
-    /// Newton's motion of the inner nodes for a motion of the plate (in the plate's frame).
-    pub fn inner_motion(&self, plate: &Vector6<f64>) -> Vec<Vector6<f64>> {
+    /// Motion of the inner nodes against a column for a motion of the plate (in the plate's frame).
+    pub fn inner_motion(&self, column: usize, plate: &Vector6<f64>) -> Vec<Vector6<f64>> {
         let mut above = self.to_tip * plate;
         let mut motion: Vec<_> = self
             .moves
             .iter()
             .rev()
             .map(|(own, follow)| {
-                above = own.column(0) + follow * above;
+                above = own.column(column) + follow * above;
                 above
             })
             .collect();

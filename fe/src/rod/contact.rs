@@ -6,6 +6,22 @@ use std::f64::consts::PI;
 /// it by 0.5 % of the radius.
 const PIECE: f64 = 0.4;
 
+impl Configuration {
+    /// Centreline of each FREE at its nodes from the base to the tip, m, base frame.
+    pub fn centrelines(&self, of: &RodModule) -> Vec<Vec<[f64; 3]>> {
+        let frame = self.plate.frame();
+        let mut lines: Vec<(usize, Vec<[f64; 3]>)> = vec![];
+        for (chain, inner) in of.chains(1.0).iter().zip(&self.inner) {
+            for member in &chain.members {
+                let nodes = chain.frames(inner, &frame).map(|node| member.frame(&node).position.into());
+                lines.push((member.free, nodes.collect()));
+            }
+        }
+        lines.sort_by_key(|(free, _)| *free);
+        lines.into_iter().map(|(_, line)| line).collect()
+    }
+}
+
 impl RodModule {
     /// Centrelines and outer radii of all FREEs. The rubber keeps its volume: with V enclosed per reference length,
     /// `b^2 = V/(pi lambda) + (B^2 - A^2)/lambda`. Caps, which hold the tube narrow at its ends, are left out.

@@ -56,6 +56,18 @@ pub struct Equilibrium {
     pub wrench_slopes: Vec<Wrench>,
 }
 
+impl Equilibrium {
+    /// The error of one whose tangent has no factors.
+    pub(super) fn without_factors(&self) -> RodError {
+        RodError::NoEquilibrium {
+            goal: self.pressures.clone(),
+            reached: self.pressures.clone(),
+            residual: f64::INFINITY,
+            last: Box::new(self.configuration.clone()),
+        }
+    }
+}
+
 /// Why a module has no equilibrium to show.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum RodError {

@@ -4,25 +4,34 @@
 mod benchmarks;
 #[cfg(test)]
 mod bending_tests;
+#[cfg(test)]
+mod buckling_tests;
 mod chain;
 mod contact;
+mod critical;
 mod element;
 mod equilibrium;
 mod held;
 #[cfg(test)]
 mod held_tests;
+mod idle_pressure;
+mod mode;
 mod module;
 #[cfg(test)]
 mod module_tests;
 mod path;
 mod settings;
+mod settle;
 #[cfg(test)]
 mod specimens;
 mod system;
 mod table;
 
+pub use critical::Buckling;
 pub use equilibrium::{Configuration, Equilibrium, RodError};
 pub use held::HeldModule;
+pub use idle_pressure::IdlePressure;
+pub use mode::BucklingMode;
 pub use module::{RodLaw, RodModule};
 pub use settings::RodSettings;
 pub use table::{SectionTable, TableError, TableGrid};

@@ -98,7 +98,7 @@ impl RodModule {
         let mut least = system.residual;
         for _ in 0..NEWTON_STEPS {
             let factored = self.factorise(&chains, &shape, &system).ok_or(least)?;
-            let (plate, inner) = factored.newton_step();
+            let (plate, inner) = factored.newton_step(&self.tip);
             let mut length = step_length(&plate, &inner, &factored, &chains);
             // The residual may grow a little on the way along a bent path, but not run off.
             let (next, found) = loop {
@@ -125,7 +125,7 @@ impl RodModule {
 }
 
 /// Part of Newton's step that keeps every element's change within limits.
-fn step_length(
+pub(super) fn step_length(
     plate: &Vector6<f64>,
     inner: &[Vec<Vector6<f64>>],
     factored: &Factored,
@@ -149,7 +149,7 @@ fn step_length(
     1.0 / worst
 }
 
-fn moved(
+pub(super) fn moved(
     shape: &Configuration,
     plate: &Vector6<f64>,
     inner: &[Vec<Vector6<f64>>],

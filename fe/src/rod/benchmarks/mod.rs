@@ -2,3 +2,6 @@
 
 mod cantilever;
 mod column;
+mod objectivity;
+mod tangent;
+mod twisted;
