@@ -270,7 +270,8 @@ impl<'a> Report<'a> {
         let count = |wanted: &str| forces.states.iter().filter(|state| status(state) == wanted).count();
         if count("unstable") > 0 {
             text += &format!(
-                "\nIn {} of {} states a FREE is unstable under its own thrust: it would buckle sideways and give less.\n",
+                "\nIn {} of {} states a FREE is unstable: under its own thrust it would buckle sideways and give less. By the bare tubes' stiffness \
+                 a FREE that pulls more than its shear stiffness counts too, which is too early: --bending solids tells.\n",
                 count("unstable"),
                 forces.states.len()
             );

@@ -64,9 +64,9 @@ pub struct Blocked {
 /// Where bending and shear stiffness come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Bending {
-    /// 3 mu I and mu A of the bare tube
+    /// 3 mu I and mu A of the bare tube: quick; calls FREEs unstable that pull more than mu A
     Tube,
-    /// Solids under pressure, as for a module's map: seconds to minutes more
+    /// Solids under pressure, as for a module's map: seconds to minutes more; what stability is to be judged by
     Solids,
 }
 
