@@ -1,5 +1,6 @@
 //! When do idle FREEs buckle? A module without spacers, a diagonal pair of it under pressure and the other two FREEs idle: the pressure at which
-//! it buckles, how, where it goes then, and what pressure in the idle FREEs prevents it.
+//! it buckles, how, where it goes then, and what pressure in the idle FREEs prevents it. Gaps are the least between FREEs: where they are negative,
+//! FREEs pass through each other, and what is said is what they would do if they could.
 //!
 //! `cargo run --release -p fe --example idle_buckling -- [GREATEST_KPA [MODULE.toml ...]]`
 //!
@@ -112,7 +113,7 @@ fn study(module: &Module, greatest: f64) -> Result<(), Box<dyn Error>> {
             }
         }
     }
-    println!("  case kPa   least idle kPa");
+    println!("  case kPa   gap mm   least idle kPa");
     for step in 1..=10 {
         let pressure = greatest * f64::from(step) / 10.0;
         let needed = match rods.least_idle_pressure(&case(pressure), pressure, 10.0) {
@@ -121,7 +122,8 @@ fn study(module: &Module, greatest: f64) -> Result<(), Box<dyn Error>> {
             Ok(IdlePressure::NeverEnough) => "unstable with any up to its own".to_owned(),
             Err(error) => error.to_string(),
         };
-        println!("  {:8.2}   {needed}", pressure / KPA);
+        let gap = rods.solve(&case(pressure)).ok().and_then(|found| found.state.gap);
+        println!("  {:8.2}   {:6.2}   {needed}", pressure / KPA, 1e3 * gap.unwrap_or(f64::NAN));
     }
     println!("  {:.1} s after the laws", start.elapsed().as_secs_f64());
     Ok(())

@@ -1,6 +1,6 @@
 //! One FREE as a rod against the same FREE as a solid: clamped in caps, one of them free, at four pressures.
 //!
-//! `cargo run --release -p fe --example rod_against_solid -- [ANGLE_DEG [LENGTH_MM [FORCE_N [TORQUE_N_MM [GREATEST_KPA [linear|tension]]]]]]`
+//! `cargo run --release -p fe --example rod_against_solid -- [ANGLE_DEG [LENGTH_MM [FORCE_N [TORQUE_N_MM [GREATEST_KPA [linear|tension [RADIAL,AROUND,UNDER,PER_MM]]]]]]]`
 //!
 //! First the slopes of the tip's motions by a force across (x), by a moment about x and by a torque, then the tip under the
 //! whole force, and under the whole torque. Rods with 3 mu I and mu A, and with the bending law from solids.
@@ -60,7 +60,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         base: Base { gravity: [0.0; 3], free_mass: 0.0 },
         spacers: 0,
     };
-    let solid_mesh = SolidMesh::new(12, (700.0 * length).round() as usize);
+    let given = arguments.get(6).map_or("1,12,0,0.7", String::as_str).split(',');
+    let numbers = given.map(str::parse).collect::<Result<Vec<f64>, _>>()?;
+    let [radial, around, under, per_mm] = numbers[..] else { return Err("four numbers of a mesh".into()) };
+    let solid_mesh = SolidMesh {
+        radial: radial as usize,
+        under_fibre: under as usize,
+        ..SolidMesh::new(around as usize, (1e3 * per_mm * length).round() as usize)
+    };
     let specimen = Specimen::from(&free);
     let mut sector = SolidSolver::sector(&specimen, solid_mesh)?;
     let mut whole = SolidSolver::new(&specimen, solid_mesh)?;
@@ -84,10 +91,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             };
             whole.follow(&still, 0.0, &[1.0], &to, &mut |_, _| true).map(|state| state.cap())
         };
-        let print = |name: &str, slopes: [f64; 5], (x, turned): Pose, (z, twisted): Pose| {
+        let print = |name: &str, slopes: [f64; 5], still: Pose, (x, turned): Pose, (z, twisted): Pose| {
             let normal = turned * Vector3::z();
             let [a, b, c, d, e] = slopes;
-            let turn = (state.cap().1.inverse() * twisted).scaled_axis().z.to_degrees();
+            let turn = (still.1.inverse() * twisted).scaled_axis().z.to_degrees();
             let x = 1e3 * x;
             println!(
                 "{:5.1}  {name:7}  {a:.5}  {b:8.4}  {c:8.4}  {d:9.3}  {e:9.3} | {:7.3} {:7.3} {:8.3}  {:.5} {:8.5} | {:8.3} {turn:8.3}",
@@ -102,7 +109,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         let slopes = [c[(0, 0)], c[(4, 0)], c[(3, 0)], c[(3, 3)], c[(5, 5)]];
         match (follow(force, 0.0), follow(0.0, torque)) {
-            (Ok(pushed), Ok(twisted)) => print("solid", slopes, pushed, twisted),
+            (Ok(pushed), Ok(twisted)) => print("solid", slopes, state.cap(), pushed, twisted),
             (Err(error), _) | (_, Err(error)) => println!("solid: {error}"),
         }
         for (name, bending) in &laws {
@@ -132,7 +139,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             // A moment on the chart's bend at a tip that is turned acts about an axis turned by half.
             let slopes =
                 [by_force[0].x, by_force[1].y, by_force[1].x, by_moment[1].xy().norm(), by_torque[1].z];
-            print(name, slopes, pose(force, [0.0; 3])?, pose(0.0, [0.0, 0.0, torque])?);
+            print(name, slopes, pose(0.0, [0.0; 3])?, pose(force, [0.0; 3])?, pose(0.0, [0.0, 0.0, torque])?);
         }
     }
     Ok(())
