@@ -13,7 +13,7 @@ fn run(names: &[&str], out: &Path) -> serde_json::Value {
 fn modules_move_as_their_hands_say_and_their_claims_are_judged() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let out = folder.path();
-    let value = run(&["fig8", "p11", "p13"], out);
+    let value = run(&["fig8", "p11", "fig13", "p13"], out);
     let claims: Vec<_> = value["studies"]
         .as_array()
         .expect("studies")
@@ -72,6 +72,14 @@ fn modules_move_as_their_hands_say_and_their_claims_are_judged() {
         "Arruda-Boyce, locks at 5",
     ] {
         assert!(summary.contains(words), "{words}");
+    }
+    // The turning plate takes the ends of idle FREEs along and bends them, the more the farther it turns.
+    let idle = Table::read(&out.join("fig13-idle.csv"));
+    for angle in ["60", "30"] {
+        let bare = idle.rows.iter().filter(|row| row[0] == angle && idle.number(row, "idle_kpa") == 0.0);
+        let bows: Vec<f64> = bare.map(|row| idle.number(row, "bow_mm")).collect();
+        assert_eq!(bows.len(), 4);
+        assert!(bows[0] > 0.0 && bows.windows(2).all(|pair| pair[1] > pair[0]), "{angle}: {bows:?}");
     }
     let stiffness = Table::read(&out.join("p13-stiffness.csv"));
     assert_eq!(stiffness.rows.len(), 9);
