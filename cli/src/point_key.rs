@@ -5,7 +5,7 @@
 use actuator::{LoadedFree, ModuleMap, PointKey, StoreError, artefact};
 use fe::{
     BendingSweep, CappedSweep, FreeSweep, ModuleSweep, NUMERICS, RodSettings, SectionMesh, SolidMesh,
-    SolidSweep, TipLoad,
+    SolidModuleSettings, SolidSweep, TipLoad,
 };
 use serde::Serialize;
 
@@ -34,19 +34,40 @@ pub fn capped(
 /// The path of a FREE's solid through pressures (Pa), by the mesh that the sweep gives this FREE.
 pub fn solid(sweep: &SolidSweep, node: &LoadedFree, pressures: &[f64]) -> Result<PointKey, StoreError> {
     let SolidSweep { elements: _, checks: _, seed: _ } = *sweep;
-    let SolidMesh { radial, around, under_fibre, along, follows_fibres } = sweep.mesh(&node.free);
-    let mesh = (radial, around, under_fibre, along, follows_fibres);
+    let mesh = solid_mesh(sweep.mesh(&node.free));
     PointKey::of(&("path of a solid", PROGRAM, mesh, node, pressures))
 }
 
 /// A row of a module's states, by its pressures (Pa). The section tables are made for the map's whole axes.
 pub fn row(sweep: &ModuleSweep, map: &ModuleMap, row: &[Vec<f64>]) -> Result<PointKey, StoreError> {
-    let ModuleSweep { mesh, rods, bending, use_symmetry: _, checks: _, seed: _ } = *sweep;
+    let ModuleSweep { mesh, rods, solids, bending, use_symmetry: _, checks: _, seed: _ } = *sweep;
+    if let Some(solids) = solids {
+        return row_of_solids(solids, map, row);
+    }
     let RodSettings { elements, bending_stiffness_scale, tip_load: TipLoad { force, moment } } = rods;
     let rods = (elements, bending_stiffness_scale, force, moment);
     let bending = bending.map(|BendingSweep { planes, lengths, range }| (planes, lengths, range));
     let computed_by = (section_mesh(mesh), rods, bending, &map.parameters);
     PointKey::of(&("row of a module", PROGRAM, computed_by, &map.module, &map.pressures, row))
+}
+
+/// A row of a module's states as solids, by the meshes that the settings give its FREEs. Neither threads nor the map's other rows matter,
+/// but by rows they are followed.
+fn row_of_solids(
+    SolidModuleSettings { elements, tip_load, threads: _ }: SolidModuleSettings,
+    map: &ModuleMap,
+    row: &[Vec<f64>],
+) -> Result<PointKey, StoreError> {
+    let settings = SolidModuleSettings { elements, ..SolidModuleSettings::default() };
+    let meshes = map.module.frees.iter().map(|placed| solid_mesh(settings.mesh(&placed.free)));
+    let TipLoad { force, moment } = tip_load;
+    let computed_by = (meshes.collect::<Vec<_>>(), force, moment, &map.parameters);
+    PointKey::of(&("row of a module of solids", PROGRAM, computed_by, &map.module, row))
+}
+
+fn solid_mesh(mesh: SolidMesh) -> impl Serialize + use<> {
+    let SolidMesh { radial, around, under_fibre, along, follows_fibres } = mesh;
+    (radial, around, under_fibre, along, follows_fibres)
 }
 
 /// The settings of a section that determine its path. Checks are paths like others.
@@ -224,6 +245,13 @@ mod tests {
             with_sweep(&|sweep| sweep.bending = Some(own));
         }
         with_sweep(&|sweep| sweep.bending = None);
+        let solids = |elements, force| {
+            let tip_load = TipLoad { force: [force, 0.0, 0.0], ..TipLoad::default() };
+            Some(SolidModuleSettings { elements, tip_load, threads: 1 })
+        };
+        with_sweep(&|sweep| sweep.solids = solids(None, 0.0));
+        with_sweep(&|sweep| sweep.solids = solids(Some([1, 12, 60]), 0.0));
+        with_sweep(&|sweep| sweep.solids = solids(None, 0.1));
         all_differ(&keys);
         // Limits bound what a controller may ask for, checks what a fit is judged by: no state hangs on them.
         let mut other = map.clone();

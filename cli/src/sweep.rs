@@ -8,7 +8,8 @@ use actuator::{
     EndLoad, Free, FreeMap, FreePath, LoadedFree, MapAxis, Module, ModuleMap, ModuleState, Rig, units::KPA,
 };
 use fe::{
-    CapsReport, FreeSweep, FreeSweepError, FreeSweepReport, ModuleSweep, ModuleSweepReport, Run, Shard,
+    CapsReport, FreeSweep, FreeSweepError, FreeSweepReport, ModuleSweep, ModuleSweepError, ModuleSweepReport,
+    Run, Shard,
 };
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -188,7 +189,10 @@ pub fn plan_module(
     }
     let source = (rig.name.clone(), rig.text.clone());
     let planned = sweep.empty_map(module.clone(), rig.limits.clone(), pressures, source);
-    planned.map_err(|error| Failure::file(error).about(&rig.path))
+    planned.map_err(|error| match error {
+        ModuleSweepError::Solids(error) => Failure::refused(error.to_string()).about(&rig.path),
+        error => Failure::file(error).about(&rig.path),
+    })
 }
 
 fn failed_states(report: &ModuleSweepReport) -> Vec<String> {

@@ -1,19 +1,12 @@
 use crate::{
-    BendingLaw, BendingSweep, ConstantBending, Equilibrium, ModuleLine, ModuleSweepError, RodError, RodLaw,
-    RodModule, RodSettings, Run, SectionMesh, SectionSolver, SectionTable, Shard, TableError, TableGrid,
-    TipLoad, free_map::next_fraction,
+    BendingSweep, ModuleError, ModuleLine, ModuleSolver, ModuleSweepError, RodModule, RodSettings, Run,
+    SectionMesh, Shard, SolidModule, SolidModuleSettings, TipLoad,
+    free_map::next_fraction,
+    module_fill::{Filling, FinishedRow},
 };
-use actuator::{
-    Free, FreePath, Handedness, Limits, MapParameter, Module, ModuleMap, ModuleState, ModuleSymmetry,
-    PAYLOAD_STEP, payload_curvature, units::KPA,
-};
-use std::f64::consts::TAU;
-use std::sync::{
-    Arc, Mutex, PoisonError,
-    atomic::{AtomicUsize, Ordering},
-};
+use actuator::{FreePath, Limits, Module, ModuleMap, ModuleState, ModuleSymmetry, units::KPA};
 
-/// How the map of a module is computed: rods with section laws tabulated from the section's finite elements.
+/// How the map of a module is computed: rods with section laws tabulated from the section's finite elements, or solids.
 ///
 /// The unit of work is a row, the line of nodes along the last FREE's pressure ([`ModuleLine`]): its first node is followed from rest,
 /// the others one from the other, so that the map depends neither on the number of threads nor on the sharding. Every check is followed
@@ -24,6 +17,9 @@ pub struct ModuleSweep {
     pub mesh: SectionMesh,
     /// Fineness of the rods, factor on their bending stiffness.
     pub rods: RodSettings,
+    /// Solids that take the place of the rods and their laws; `None` for rods. A state then takes seconds, a thread half a gigabyte of
+    /// memory (four FREEs of 175 mm by the usual mesh).
+    pub solids: Option<SolidModuleSettings>,
     /// How bending and shear stiffness are computed; `None` takes those of the bare tube, 3 mu I and mu A.
     pub bending: Option<BendingSweep>,
     /// Whether of nodes that a symmetry of the module carries into each other only the first is computed.
@@ -42,6 +38,7 @@ impl Default for ModuleSweep {
         ModuleSweep {
             mesh,
             rods: RodSettings::default(),
+            solids: None,
             bending: Some(BendingSweep::default()),
             use_symmetry: true,
             checks: 60,
@@ -56,7 +53,7 @@ pub struct FailedState {
     /// Pressures, Pa.
     pub pressures: Vec<f64>,
     /// Why.
-    pub error: RodError,
+    pub error: ModuleError,
 }
 
 /// What a sweep of a module did.
@@ -70,43 +67,6 @@ pub struct ModuleSweepReport {
     pub rows_left: usize,
     /// States that were not found.
     pub failed: Vec<FailedState>,
-}
-
-/// Told of each row, or check, all of whose states were found: their pressures (Pa), and the states.
-type FinishedRow<'a> = dyn FnMut(&[Vec<f64>], &[ModuleState]) + Send + 'a;
-
-/// What a FREE's section depends on: neither its length nor, but for the mirror, its hand. Its threads are spread over all of the
-/// surface: in a FREE that others turn against its own sense under pressure they are pulled tight, and narrow ones cut into the
-/// wall, which bulges between them in a snap (0.15 mm: from 10 rad/m at 40 kPa in a 40 degree FREE). A module's states there would
-/// hang on a width that nobody measures. The price is 4 to 6 % more twist of a free FREE at 20 degrees, 1.5 % at 60.
-fn section_of(free: &Free) -> Free {
-    let mut section = *free;
-    section.tube.length = 1.0;
-    section.winding.handedness = Handedness::Right;
-    section.winding.fibre.diameter = TAU * section.tube.outer_radius();
-    section
-}
-
-/// The first FREE whose section is the same as that of each FREE.
-fn first_alike(module: &Module) -> Vec<usize> {
-    let sections: Vec<Free> = module.frees.iter().map(|placed| section_of(&placed.free)).collect();
-    sections.iter().map(|own| sections.iter().position(|other| other == own).unwrap_or_default()).collect()
-}
-
-/// Parameters whose slopes each state of a map carries, in this order.
-const PARAMETERS: [MapParameter; 3] =
-    [MapParameter::Payload, MapParameter::BendingStiffness, MapParameter::PayloadCurvature];
-
-/// The state of an equilibrium, with how its pose departs from its slope at a payload, from the module that carries one.
-fn with_payload_curvature(found: &Equilibrium, loaded: &RodModule) -> Result<ModuleState, RodError> {
-    let mut state = found.state.clone();
-    let heavy = loaded.solve_from(found, &found.pressures)?.state.chart.to_array();
-    let (light, slope) = (state.chart.to_array(), state.slopes[0]);
-    let step = PAYLOAD_STEP;
-    state
-        .slopes
-        .push(std::array::from_fn(|k| (heavy[k] - light[k] - slope[k] * step) / payload_curvature(step)));
-    Ok(state)
 }
 
 fn check_axes(module: &Module, pressures: &[Vec<f64>]) -> Result<(), ModuleSweepError> {
@@ -139,123 +99,55 @@ impl ModuleSweep {
         source: (String, String),
     ) -> Result<ModuleMap, ModuleSweepError> {
         check_axes(&module, &pressures)?;
+        if let Some(settings) = self.solids {
+            SolidModule::new(&module, settings)?;
+        }
         let paths = self.free_paths(&module, &pressures)?;
         let mut map = ModuleMap {
             module,
             limits,
-            parameters: PARAMETERS.to_vec(),
+            parameters: match self.solids {
+                Some(_) => SolidModule::map_parameters(),
+                None => RodModule::map_parameters(),
+            },
             pressures,
             states: Vec::new(),
             checks: Vec::new(),
             limit_pressures: paths.iter().map(FreePath::limit_pressure).collect(),
-            settings: self.settings(),
+            settings: String::new(),
             source,
         };
+        map.settings = self.settings(&map.module);
         map.states = vec![None; map.node_count()];
         Ok(map)
     }
 
     /// The settings in words, as they stand in the map.
-    pub fn settings(&self) -> String {
+    pub fn settings(&self, module: &Module) -> String {
+        let alike = if self.use_symmetry { "; of nodes alike by symmetry one computed" } else { "" };
+        let model = match self.solids {
+            Some(settings) => settings.describe(module),
+            None => self.rods_in_words(),
+        };
+        format!("{model}{alike}; {} checks, seed {}", self.checks, self.seed)
+    }
+
+    fn rods_in_words(&self) -> String {
         let SectionMesh { radial, under_fibre, between_fibres } = self.mesh;
         format!(
             "{}; section laws tabulated from half a fibre pitch of {radial} elements through the wall, {under_fibre} under half \
-             a fibre, {between_fibres} beside it, threads spread over all of the surface; bending and shear {}{}; {} checks, seed {}",
+             a fibre, {between_fibres} beside it, threads spread over all of the surface; bending and shear {}",
             self.rods.describe(),
             match self.bending {
                 Some(sweep) => format!("tabulated from solids at {} pressures", sweep.planes),
                 None => "of the bare tube, 3 mu I and mu A".to_owned(),
-            },
-            if self.use_symmetry { "; of nodes alike by symmetry one computed" } else { "" },
-            self.checks,
-            self.seed
-        )
-    }
-
-    /// Free path of each FREE as if right-handed; FREEs of one section share it.
-    fn free_paths(&self, module: &Module, pressures: &[Vec<f64>]) -> Result<Vec<FreePath>, ModuleSweepError> {
-        let alike = first_alike(module);
-        let mut paths: Vec<FreePath> = Vec::with_capacity(alike.len());
-        for (free, first) in alike.into_iter().enumerate() {
-            let path = if first < free {
-                paths[first].clone()
-            } else {
-                SectionSolver::new(&section_of(&module.frees[free].free), self.mesh)
-                    .and_then(|mut solver| solver.path(&pressures[free], 8))
-                    .map_err(|source| ModuleSweepError::Section { free, source })?
-            };
-            paths.push(path);
-        }
-        Ok(paths)
-    }
-
-    /// Section law of each FREE, tabulated up to its greatest pressure or its limit pressure; FREEs of one section share it.
-    ///
-    /// # Errors
-    /// [`ModuleSweepError`] where a section cannot be solved or the tabulation was stopped.
-    pub fn section_laws(
-        &self,
-        module: &Module,
-        pressures: &[Vec<f64>],
-        run: &Run<'_>,
-    ) -> Result<Vec<Arc<SectionTable>>, ModuleSweepError> {
-        let alike = first_alike(module);
-        let paths = self.free_paths(module, pressures)?;
-        let mut laws: Vec<Arc<SectionTable>> = Vec::with_capacity(alike.len());
-        for (free, first) in alike.iter().copied().enumerate() {
-            if first < free {
-                laws.push(laws[first].clone());
-                continue;
             }
-            let users = alike.iter().zip(pressures).filter(|(other, _)| **other == free);
-            let top = users.flat_map(|(_, axis)| axis).fold(0.0f64, |top, pressure| top.max(*pressure));
-            let top = paths[free].limit_pressure().map_or(top, |limit| top.min(limit));
-            let section = section_of(&module.frees[free].free);
-            let mut solver = SectionSolver::new(&section, self.mesh)
-                .map_err(|source| ModuleSweepError::Section { free, source })?;
-            let grid = TableGrid::for_free(&section, &paths[free], top);
-            let provider = move |p: f64, stretch: f64, twist: f64| solver.respond(p, stretch, twist).ok();
-            let table = SectionTable::tabulate(grid, &provider, run)
-                .map_err(|source| ModuleSweepError::Table { free, source })?;
-            laws.push(Arc::new(table));
-        }
-        Ok(laws)
-    }
-
-    /// Bending law of each FREE up to the greatest pressure of its section law; FREEs of one section share it. `None` where the run
-    /// was stopped.
-    ///
-    /// # Errors
-    /// [`ModuleSweepError::Bending`] where a FREE's solids cannot be solved.
-    pub fn bending_laws(
-        &self,
-        module: &Module,
-        sections: &[Arc<SectionTable>],
-        run: &Run<'_>,
-    ) -> Result<Option<Vec<Arc<dyn BendingLaw>>>, ModuleSweepError> {
-        let mut laws: Vec<Arc<dyn BendingLaw>> = Vec::with_capacity(sections.len());
-        for (free, first) in first_alike(module).into_iter().enumerate() {
-            let own = &module.frees[free].free;
-            let law = match self.bending {
-                _ if first < free => laws[first].clone(),
-                None => Arc::new(ConstantBending::of_bare_tube(own)),
-                Some(sweep) => {
-                    let top = sections[free].grid().pressures.iter().fold(0.0f64, |top, p| top.max(*p));
-                    let found = sweep.tabulate(own, top, run);
-                    match found.map_err(|source| ModuleSweepError::Bending { free, source })? {
-                        None => return Ok(None),
-                        Some(table) => Arc::new(table),
-                    }
-                }
-            };
-            laws.push(law);
-        }
-        Ok(Some(laws))
+        )
     }
 
     /// Motions that carry the module, its axes (Pa) and its loads into themselves, where they are used, but the one that moves nothing.
     fn symmetries(&self, module: &Module, axes: &[Vec<f64>]) -> Vec<ModuleSymmetry> {
-        let TipLoad { force, moment } = self.rods.tip_load;
+        let TipLoad { force, moment } = self.solids.map_or(self.rods.tip_load, |solids| solids.tip_load);
         let keeps = |motion: &ModuleSymmetry| motion.vector(force) == force && motion.turns(moment) == moment;
         let all = module.symmetries().into_iter().filter(|motion| self.use_symmetry && !motion.is_identity());
         all.filter(|motion| motion.carry(axes) == axes && keeps(motion)).collect()
@@ -315,61 +207,22 @@ impl ModuleSweep {
         if lines.is_empty() {
             return Ok(report);
         }
-        let laws = match self.section_laws(&map.module, &map.pressures, run) {
-            Err(ModuleSweepError::Table { source: TableError::Stopped, .. }) => return Ok(report),
-            laws => laws?,
-        };
-        let bending = match self.bending_laws(&map.module, &laws, run)? {
-            None => return Ok(report),
-            Some(bending) => bending,
-        };
-        let laws = laws.into_iter().zip(bending).map(|(section, bending)| RodLaw { section, bending });
-        let rods = RodModule::new(&map.module, laws.collect(), self.rods)?;
-        let rest = rods.rest()?;
-        let mut loaded = map.module.clone();
-        loaded.tip.payload += PAYLOAD_STEP;
-        let loaded = RodModule::new(&loaded, rods.laws(), self.rods)?;
-
-        let next = AtomicUsize::new(0);
-        let results = Mutex::new((&mut *map, &mut report, already, finished));
-        std::thread::scope(|scope| {
-            for _ in 0..run.jobs.clamp(1, lines.len()) {
-                scope.spawn(|| {
-                    while !run.is_stopped() {
-                        let index = next.fetch_add(1, Ordering::Relaxed);
-                        let Some(line) = lines.get(index) else { break };
-                        let mut last = rest.clone();
-                        let follow = |pressures: &Vec<f64>| {
-                            last = rods.solve_from(&last, pressures)?;
-                            with_payload_curvature(&last, &loaded)
-                        };
-                        let found: Vec<Result<ModuleState, RodError>> =
-                            line.pressures.iter().map(follow).collect();
-                        let mut results = results.lock().unwrap_or_else(PoisonError::into_inner);
-                        let (map, report, done, finished) = &mut *results;
-                        if let Ok(states) = found.iter().map(Result::as_ref).collect::<Result<Vec<_>, _>>() {
-                            finished(&line.pressures, &states.into_iter().cloned().collect::<Vec<_>>());
-                        }
-                        for (place, state) in found.into_iter().enumerate() {
-                            match state {
-                                Ok(state) => {
-                                    report.computed += 1;
-                                    report.buckled += usize::from(state.negative_pivots > 0);
-                                    line.put(place, state, &symmetries, map);
-                                }
-                                Err(error) => {
-                                    let pressures = line.pressures[place].clone();
-                                    report.failed.push(FailedState { pressures, error });
-                                }
-                            }
-                        }
-                        report.rows_left -= 1;
-                        *done += line.pressures.len();
-                        (run.progress)(*done, all);
-                    }
-                });
+        let (module, pressures) = (map.module.clone(), map.pressures.clone());
+        let report_to = &mut report;
+        let filling =
+            Filling { map, report: report_to, symmetries: &symmetries, done: already, all, finished };
+        match self.solids {
+            Some(settings) => {
+                // Threads beyond one a line go to the FREEs.
+                let threads = (run.jobs / lines.len()).max(1);
+                let settings = SolidModuleSettings { threads, ..settings };
+                filling.fill(&lines, &|| Ok(SolidModule::new(&module, settings)?), run)?;
             }
-        });
+            None => match self.rod_module(&module, &pressures, run)? {
+                Some(rods) => filling.fill(&lines, &|| Ok(rods.clone()), run)?,
+                None => return Ok(report),
+            },
+        }
         // In the order of the points, whichever thread was first.
         let checks = self.check_pressures(map);
         map.checks.sort_by_key(|check| checks.iter().position(|pressures| *pressures == check.pressures));

@@ -1,7 +1,13 @@
 use super::*;
 use crate::TipLoad;
-use actuator::{Base, Elastomer, Fibre, FibreLaw, OgdenForm, PlacedFree, Tip, Tube, Winding};
-use std::sync::{Mutex, atomic::AtomicBool};
+use actuator::{
+    Base, Elastomer, Fibre, FibreLaw, Free, Handedness, MapParameter, OgdenForm, PlacedFree, Tip, Tube,
+    Winding, payload_curvature,
+};
+use std::sync::{
+    Mutex,
+    atomic::{AtomicBool, Ordering},
+};
 
 /// Two FREEs of both hands side by side, hanging; the section is the same.
 fn pair() -> Module {
@@ -29,7 +35,7 @@ fn pair() -> Module {
 fn sweep() -> ModuleSweep {
     let mesh = SectionMesh { radial: 1, under_fibre: 1, between_fibres: 2 };
     let rods = RodSettings { elements: 6, bending_stiffness_scale: 2.0, tip_load: TipLoad::default() };
-    ModuleSweep { mesh, rods, bending: None, use_symmetry: true, checks: 3, seed: 5 }
+    ModuleSweep { mesh, rods, solids: None, bending: None, use_symmetry: true, checks: 3, seed: 5 }
 }
 
 fn empty(sweep: &ModuleSweep) -> ModuleMap {
@@ -267,4 +273,37 @@ fn payloads_are_predicted_by_slope_and_curvature() {
         });
         assert!(by_both < 0.1 * by_slope, "{payload} kg: {by_slope} m by the slope, {by_both} m by both");
     }
+}
+
+/// Solids in the place of rods: the same map on any number of threads, without the slopes that only rods have.
+#[test]
+fn solids_fill_a_map_as_rods_do() {
+    let solids = SolidModuleSettings { elements: Some([1, 12, 8]), ..SolidModuleSettings::default() };
+    let sweep = ModuleSweep { solids: Some(solids), checks: 1, use_symmetry: false, ..sweep() };
+    let mut module = pair();
+    for placed in &mut module.frees {
+        placed.free.tube.length = 30e-3;
+    }
+    let limits = Limits { pressure_max: vec![3e4; 2], pressure_rate: 2e5, idle_pressure: 0.0 };
+    let axes = || vec![vec![0.0, 1e4], vec![0.0, 1.5e4]];
+    let filled = |jobs| {
+        let mut map =
+            sweep.empty_map(module.clone(), limits.clone(), axes(), ("pair".into(), String::new())).unwrap();
+        let stop = AtomicBool::new(false);
+        let run = Run { jobs, progress: &|_, _| (), stop: &stop };
+        let report = sweep.fill(&mut map, Shard::WHOLE, &run, &mut |_, _| ()).unwrap();
+        assert_eq!((report.computed, report.rows_left, report.failed.len()), (5, 0, 0));
+        map
+    };
+    let map = filled(1);
+    assert_eq!(map, filled(2));
+    assert_eq!(map.parameters, [MapParameter::Payload, MapParameter::PayloadCurvature]);
+    assert!(map.settings.contains("solids") && map.settings.contains("1 x 12 x 8"), "{}", map.settings);
+    let state = map.states[2].as_ref().unwrap();
+    let direct = SolidModule::new(&module, solids).unwrap().solve(&[1e4, 0.0]).unwrap().state;
+    assert_eq!((state.chart, state.slopes[0]), (direct.chart, direct.slopes[0]));
+    assert!(state.slopes.len() == 2 && state.slopes[1] != [0.0; 6]);
+    module.spacers = 9;
+    let refused = sweep.empty_map(module, limits, axes(), Default::default()).unwrap_err().to_string();
+    assert!(refused.contains("set spacers = 0"), "{refused}");
 }

@@ -1,4 +1,4 @@
-use crate::{RodError, SectionError, SolidError, TableError};
+use crate::{ModuleError, RodError, SectionError, SolidError, SolidModuleError, TableError};
 
 /// Why a sweep of a module cannot be begun.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -43,7 +43,13 @@ pub enum ModuleSweepError {
         /// Why.
         source: SolidError,
     },
-    /// The rods cannot be set up, or find no state of rest.
+    /// The rods cannot be set up, or brought where they are held.
     #[error(transparent)]
     Rods(#[from] RodError),
+    /// The solids cannot be set up.
+    #[error(transparent)]
+    Solids(#[from] SolidModuleError),
+    /// The module finds no state of rest.
+    #[error(transparent)]
+    Module(#[from] ModuleError),
 }

@@ -104,7 +104,7 @@ fn solids_that_cannot_be_are_refused_in_words() {
         ("--of @free.toml --fidelity solid --elements 1,12", 2, "as in 1,12,90"),
         ("--of @free.toml --elements 1,12,40", 2, "give --fidelity solid"),
         ("--of @free.toml --fidelity rod", 2, "section or solid"),
-        ("--of @module.toml --fidelity solid", 4, "no solid model of modules"),
+        ("--of @module.toml --fidelity solid", 4, "set spacers = 0"),
         ("--of @free.toml --fidelity solid --winding-angles 0", 2, "not between 1 and 89.5"),
     ];
     for (line, code, words) in cases {

@@ -107,7 +107,7 @@ fn what_holds_no_solid_is_refused() {
     let folder = folder.path();
     let cases = [
         ("maps/buffinton-2020.map", 4, "make one by `freeact map --fidelity solid`"),
-        ("maps/buffinton-2020-30lr.map", 4, "no solid model of modules"),
+        ("maps/buffinton-2020-30lr.map", 4, "of single FREEs only"),
         ("actuators/buffinton-2020.toml", 2, "applies to solid maps only"),
     ];
     for (file, code, words) in cases {

@@ -176,8 +176,7 @@ impl Inspect {
             }
             Some(MapFile::Module(_)) => {
                 return Err(Failure::refused(format!(
-                    "{file}: --vtu: this is the map of a module, computed by rods; there is no solid model of modules in this \
-                     version, only of single FREEs"
+                    "{file}: --vtu: this is the map of a module; files are written of single FREEs only"
                 )));
             }
             Some(MapFile::Free(map)) => match map.fidelity {

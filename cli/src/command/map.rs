@@ -15,7 +15,10 @@ use crate::{
     values::Values,
 };
 use actuator::{Description, FreeParameter, MapAxis, Module, Rig, units::KPA};
-use fe::{CappedSweep, FreeSweep, FreeSweepError, ModuleSweep, PathError, SolidError, SolidSweep};
+use fe::{
+    CappedSweep, FreeSweep, FreeSweepError, ModuleSweep, PathError, SolidError, SolidModuleSettings,
+    SolidSweep,
+};
 use serde_json::json;
 use std::{path::PathBuf, time::Instant};
 
@@ -26,7 +29,8 @@ use std::{path::PathBuf, time::Instant};
 ///
 /// --fidelity solid computes a FREE as a whole tube between its caps, in seconds a path: stretch and twist are then from
 /// cap to cap, those of the middle stand beside them, and a path ends at --pressure-max-kpa if it meets no limit before.
-/// Its states as files for ParaView are written by `freeact inspect M.map --vtu DIR`.
+/// Its states as files for ParaView are written by `freeact inspect M.map --vtu DIR`. Of a module without spacers it takes every FREE as
+/// a whole tube between the plates, in seconds a state and half a gigabyte a thread; a map of rods is otherwise the same.
 ///
 /// --caps corrects the sections for rigid caps at the FREE's length by the end extension and end twist of a few solids: states are then
 /// from cap to cap as a solid's are. Their limit pressure stays the section's; that of a FREE between caps is higher.
@@ -40,6 +44,7 @@ use std::{path::PathBuf, time::Instant};
   freeact map --of data/actuators/buffinton-2020.toml --out capped.map --caps --winding-angles 20:60:10
   freeact map --of data/actuators/buffinton-2020.toml --out walls.map --axis wall_mm=0.6:1.0:0.1 --axis fibres=4,6,8
   freeact map --of data/modules/buffinton-2020-30lr.toml --out module.map --nodes 7
+  freeact map --of bundle.toml --out bundle.map --fidelity solid --nodes 4
   freeact map --of data/modules/buffinton-2020-30lr.toml --out part.1.map --shard 1/4
   freeact map --of data/actuators/buffinton-2020.toml --out finer.map --store lab/points --winding-angles 10:80:5")]
 pub struct Map {
@@ -106,8 +111,8 @@ pub struct Map {
     #[arg(long)]
     caps: bool,
 
-    /// Elements of a solid, or of the solids that --caps takes, 18 outer radii long, through the wall, around and along the tube (default: 2, four for each fibre, and as many along as keep
-    /// them well shaped)
+    /// Elements of a solid, of each FREE in a module of solids, or of the solids that --caps takes, 18 outer radii long, through the wall, around and along the tube (default: 2, four for each fibre, and as many along as keep
+    /// them well shaped; in a module 1, two for each fibre)
     #[arg(long, value_name = "RADIAL,AROUND,ALONG")]
     elements: Option<Elements>,
 
@@ -134,7 +139,7 @@ pub struct Map {
 enum Fidelity {
     /// The cross-section far from the caps, with discrete fibres
     Section,
-    /// A solid model of the whole tube with its caps
+    /// A solid model of whole tubes with their caps or plates
     Solid,
     /// Rods that bend, stretch and twist between rigid plates
     Rod,
@@ -198,17 +203,12 @@ impl Map {
             _ if of_sections.is_some() && !is_section => usage(
                 "--interpolation-tolerance and --beyond-limit are for the sections of single FREEs; leave them out",
             ),
-            (Description::Module(_), Some(Fidelity::Solid)) => Err(Failure::refused(format!(
-                "{}: --fidelity solid: there is no solid model of modules in this version, only of single FREEs; leave it \
-                 out for the rods",
-                self.of.display()
-            ))),
             (Description::Free(_), Some(Fidelity::Rod)) => usage(
                 "--fidelity rod is for modules; a single FREE's map is made by --fidelity section or solid",
             ),
-            (Description::Module(_), Some(Fidelity::Section)) => {
-                usage("--fidelity section is for single FREEs; a module's map is made by --fidelity rod")
-            }
+            (Description::Module(_), Some(Fidelity::Section)) => usage(
+                "--fidelity section is for single FREEs; a module's map is made by --fidelity rod or solid",
+            ),
             (Description::Free(_), _) if self.no_symmetry => {
                 usage("--no-symmetry is for modules; leave it out")
             }
@@ -308,6 +308,10 @@ impl Map {
     fn plan_module(&self, rig: &Rig, module: &Module) -> Result<Plan, Failure> {
         let mut sweep =
             ModuleSweep { seed: self.seed, use_symmetry: !self.no_symmetry, ..ModuleSweep::default() };
+        if self.fidelity == Some(Fidelity::Solid) {
+            let elements = self.elements.map(|elements| elements.0);
+            sweep.solids = Some(SolidModuleSettings { elements, ..SolidModuleSettings::default() });
+        }
         sweep.checks = self.checks.unwrap_or(sweep.checks);
         let nodes = self.nodes.map_or_else(|| sweep::usual_nodes(module.frees.len()), |nodes| nodes as usize);
         let greatest =

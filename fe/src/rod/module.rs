@@ -29,6 +29,7 @@ pub struct RodLaw {
 /// Energy: of the elements, minus the work of the weights (plate, payload and FREEs along the module's gravity) and of the tip
 /// load. Degrees of freedom of the plate that are not in `tip.free_dof` stay at rest: position in the base frame, `rx` and `ry`
 /// the bend and `rz` the twist of the pose chart.
+#[derive(Clone)]
 pub struct RodModule {
     pub(super) module: Module,
     pub(super) laws: Vec<RodLaw>,
@@ -62,6 +63,16 @@ impl RodModule {
         });
         let tip = GuidedPlate::new(module, &settings.tip_load);
         Ok(RodModule { module: module.clone(), laws, settings, tip, reference })
+    }
+
+    /// The same with a further mass (kg) on its plate.
+    ///
+    /// # Errors
+    /// [`RodError`] as [`RodModule::new`].
+    pub fn carrying(&self, payload: f64) -> Result<Self, RodError> {
+        let mut module = self.module.clone();
+        module.tip.payload += payload;
+        RodModule::new(&module, self.laws(), self.settings)
     }
 
     /// The laws of each FREE.

@@ -1,5 +1,5 @@
 use crate::{SolidMesh, TipLoad};
-use actuator::Free;
+use actuator::{Free, Module};
 
 /// How finely a module of solids is modelled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +19,23 @@ impl Default for SolidModuleSettings {
 }
 
 impl SolidModuleSettings {
+    /// In words, for a map.
+    pub fn describe(&self, module: &Module) -> String {
+        let mut meshes: Vec<String> = vec![];
+        for placed in &module.frees {
+            let SolidMesh { radial, around, along, .. } = self.mesh(&placed.free);
+            let words = format!("{radial} x {around} x {along}");
+            if !meshes.contains(&words) {
+                meshes.push(words);
+            }
+        }
+        format!(
+            "solids between rigid plates, 27-node hexahedra with linear pressure; elements of a FREE through the wall, around, along: {}; \
+             fibres as wide as described",
+            meshes.join(", ")
+        )
+    }
+
     /// The mesh of a FREE.
     pub fn mesh(&self, free: &Free) -> SolidMesh {
         self.elements.map_or_else(|| SolidMesh::lean(free), SolidMesh::of_elements)
