@@ -3,11 +3,13 @@
 //! `cargo run --release -p fe --example module_rod_against_solid -- [MODULE.toml ...]` (default: the paper's 30 LR and 40 LR; spacers are
 //! set to 0)
 //!
-//! Cases: 1 all FREEs, 2 a diagonal pair, 3 one, 4 two neighbours, 5 three. Each is followed from rest in steps of 10 kPa to 40, as long as both are stable. Errors of the
+//! Each module twice: the solids with threads as wide as described, and with threads spread over all of the surface, as the rods' sections
+//! always have them. Cases: 1 all FREEs, 2 a diagonal pair, 3 one, 4 two neighbours, 5 three. Each is followed from rest in steps of 10 kPa to 40, as long as both are stable. Errors of the
 //! rods: distance of the tips over the module's length, angle between the tip's rotations; pivots are negative eigenvalues of both.
 
 use actuator::{Description, Module, Rig};
 use fe::{ModuleSweep, RodLaw, RodModule, RodSettings, Run, SolidModule, SolidModuleSettings};
+use std::f64::consts::TAU;
 use std::{error::Error, path::Path, sync::atomic::AtomicBool, time::Instant};
 
 const CASES: [(&str, [bool; 4]); 5] = [
@@ -28,16 +30,24 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!(
         "module               case         kPa  solids: x, y, z mm           turn deg  off %    deg  pivots     gap mm  s rod solid"
     );
-    let mut worst = [0.0f64; 2];
+    let mut worst = [[0.0f64; 2]; 2];
     for file in files {
         let rig = Rig::read(Path::new(&file))?;
         let Description::Module(mut module) = rig.description else {
             return Err(format!("{file}: no module").into());
         };
         module.spacers = 0;
-        compare(&rig.name, &module, &mut worst)?;
+        compare(&rig.name, &module, &mut worst[0])?;
+        for placed in &mut module.frees {
+            placed.free.winding.fibre.diameter = TAU * placed.free.tube.outer_radius();
+        }
+        compare("  threads spread", &module, &mut worst[1])?;
     }
-    println!("worst of the stable states: {:.2} % of the length, {:.2} deg", worst[0], worst[1]);
+    for (threads, [off, angle]) in ["as described", "spread"].into_iter().zip(worst) {
+        println!(
+            "threads {threads}: worst of the states stable in both {off:.2} % of the length, {angle:.2} deg"
+        );
+    }
     Ok(())
 }
 
@@ -102,17 +112,11 @@ fn compare(name: &str, module: &Module, worst: &mut [f64; 2]) -> Result<(), Box<
             ];
             if ends != [false; 2] {
                 let from = rod.pressures.iter().fold(0.0f64, |most, p| most.max(*p));
-                let mut of_rods = |p: f64| Some(rods.solve_from(&rod, &at(p)).ok()?.state.negative_pivots);
-                let mut of_solids =
-                    |p: f64| Some(solids.solve_from(&solid.shape, &at(p)).ok()?.state.negative_pivots);
-                let least = |is_end: bool, negative: &mut dyn FnMut(f64) -> Option<u32>| {
-                    if is_end {
-                        critical(from, pressure, negative)
-                    } else {
-                        format!("above {:.0}", 1e-3 * pressure)
-                    }
-                };
-                let (of_rods, of_solids) = (least(ends[0], &mut of_rods), least(ends[1], &mut of_solids));
+                let of_rods =
+                    critical(from, &mut |p| Some(rods.solve_from(&rod, &at(p)).ok()?.state.negative_pivots));
+                let of_solids = critical(from, &mut |p| {
+                    Some(solids.solve_from(&solid.shape, &at(p)).ok()?.state.negative_pivots)
+                });
                 println!("{place}  stable up to (kPa): rods {of_rods}, solids {of_solids}");
                 break;
             }
@@ -122,8 +126,19 @@ fn compare(name: &str, module: &Module, worst: &mut [f64; 2]) -> Result<(), Box<
     Ok(())
 }
 
-/// Where the path from a stable state to a pressure ceases to be stable, in words, kPa.
-fn critical(mut stable: f64, mut beyond: f64, negative: &mut dyn FnMut(f64) -> Option<u32>) -> String {
+/// Where the path from a stable state at `from` ceases to be stable, in words, kPa.
+fn critical(from: f64, negative: &mut dyn FnMut(f64) -> Option<u32>) -> String {
+    let mut stable = from;
+    let further = PRESSURES.into_iter().filter(|pressure| *pressure > from);
+    let mut beyond = None;
+    for pressure in further {
+        if negative(pressure) != Some(0) {
+            beyond = Some(pressure);
+            break;
+        }
+        stable = pressure;
+    }
+    let Some(mut beyond) = beyond else { return format!("above {:.0}", 1e-3 * stable) };
     for _ in 0..BISECTIONS {
         let middle = 0.5 * (stable + beyond);
         if negative(middle) == Some(0) { stable = middle } else { beyond = middle }

@@ -1,6 +1,7 @@
 //! Tests of fibres on interpolated surfaces.
 
 mod beam;
+mod foreseen;
 mod tracing;
 mod truss;
 

@@ -3,7 +3,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
 /// Points moved from a deformed state at random, by a fixed sequence.
-fn shaken(positions: &[[f64; 3]], amount: f64) -> Vec<[f64; 3]> {
+pub(super) fn shaken(positions: &[[f64; 3]], amount: f64) -> Vec<[f64; 3]> {
     let mut state = 1_u64;
     let mut next = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -12,7 +12,7 @@ fn shaken(positions: &[[f64; 3]], amount: f64) -> Vec<[f64; 3]> {
     positions.iter().map(|x| x.map(|x| x + amount * next())).collect()
 }
 
-fn evaluated(element: &FibreElement, positions: &[[f64; 3]]) -> (f64, Vec<f64>, Vec<f64>) {
+pub(super) fn evaluated(element: &FibreElement, positions: &[[f64; 3]]) -> (f64, Vec<f64>, Vec<f64>) {
     let unknowns = 3 * element.blocks().len();
     let (mut gradient, mut tangent) = (vec![f64::NAN; unknowns], vec![f64::NAN; unknowns * unknowns]);
     let energy = element.evaluate(positions, &[], &mut gradient, &mut tangent).unwrap();
