@@ -1,7 +1,7 @@
 //! The module of rods against the module of solids, without spacers: tip of the paper's modules under its five cases of pressure.
 //!
-//! `cargo run --release -p fe --example module_rod_against_solid -- [MODULE.toml ...]` (default: the paper's 30 LR and 40 LR; spacers are
-//! set to 0)
+//! `cargo run --release -p fe --example module_rod_against_solid -- [MODULE.toml ...] [CASE ...]` (default: the paper's 30 LR and 40 LR, all
+//! cases; spacers are set to 0)
 //!
 //! Each module twice: the solids with threads as wide as described, and with threads spread over all of the surface, as the rods' sections
 //! always have them. Cases: 1 all FREEs, 2 a diagonal pair, 3 one, 4 two neighbours, 5 three. Each is followed from rest in steps of 10 kPa to 40, as long as both are stable. Errors of the
@@ -24,7 +24,9 @@ const PRESSURES: [f64; 4] = [10e3, 20e3, 30e3, 40e3];
 const BISECTIONS: usize = 3;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let given: Vec<String> = std::env::args().skip(1).collect();
+    let (cases, given): (Vec<String>, Vec<String>) =
+        std::env::args().skip(1).partition(|argument| argument.parse::<usize>().is_ok());
+    let wanted = |case: &str| cases.is_empty() || cases.iter().any(|own| case.starts_with(own.as_str()));
     let usual = ["data/modules/buffinton-2020-30lr.toml", "data/modules/buffinton-2020-40lr.toml"];
     let files = if given.is_empty() { usual.map(str::to_owned).to_vec() } else { given };
     println!(
@@ -37,11 +39,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             return Err(format!("{file}: no module").into());
         };
         module.spacers = 0;
-        compare(&rig.name, &module, &mut worst[0])?;
+        compare(&rig.name, &module, &wanted, &mut worst[0])?;
         for placed in &mut module.frees {
             placed.free.winding.fibre.diameter = TAU * placed.free.tube.outer_radius();
         }
-        compare("  threads spread", &module, &mut worst[1])?;
+        compare("  threads spread", &module, &wanted, &mut worst[1])?;
     }
     for (threads, [off, angle]) in ["as described", "spread"].into_iter().zip(worst) {
         println!(
@@ -51,7 +53,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn compare(name: &str, module: &Module, worst: &mut [f64; 2]) -> Result<(), Box<dyn Error>> {
+fn compare(
+    name: &str,
+    module: &Module,
+    wanted: &dyn Fn(&str) -> bool,
+    worst: &mut [f64; 2],
+) -> Result<(), Box<dyn Error>> {
     let stop = AtomicBool::new(false);
     let run = Run { jobs: 2, progress: &|_, _| (), stop: &stop };
     let sweep = ModuleSweep::default();
@@ -72,7 +79,7 @@ fn compare(name: &str, module: &Module, worst: &mut [f64; 2]) -> Result<(), Box<
         solids.unknowns(),
         start.elapsed().as_secs_f64()
     );
-    for (case, driven) in CASES {
+    for (case, driven) in CASES.into_iter().filter(|(case, _)| wanted(case)) {
         let at = |pressure: f64| -> Vec<f64> {
             driven.iter().map(|on| if *on { pressure } else { 0.0 }).collect()
         };

@@ -10,7 +10,7 @@ const TOLERANCE: f64 = 1e-9;
 /// A residual below this that a step does not halve is what rounding leaves.
 const ROUNDING: f64 = 1e-8;
 /// Tangents on the way to one state.
-const TANGENTS: usize = 10;
+const TANGENTS: usize = 7;
 /// Error below which an old tangent does: stiff fibres that have turned since it was taken pass for stiffness against soft motions.
 const CHORD: f64 = 1e-6;
 /// Steps with an old tangent go on while each leaves at most this share of the error.

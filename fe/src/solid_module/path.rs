@@ -14,7 +14,7 @@ const PRESSURE_STEP: f64 = 15e3;
 /// Longest step of a plate that is held: turn, rad, and shift over the module's length.
 const HELD_STEP: [f64; 2] = [0.2, 0.05];
 /// Shortest step as a part of the way before it is given up.
-const SHORTEST_STEP: f64 = 2e-3;
+const SHORTEST_STEP: f64 = 5e-3;
 
 impl SolidModule {
     /// Equilibrium at the pressures (Pa), followed from rest: first the weights and the tip load are put on without
