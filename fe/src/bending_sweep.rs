@@ -5,7 +5,7 @@ use crate::{
 use actuator::{EndLoad, Free};
 use nalgebra::{Matrix2, Vector2};
 use rayon::prelude::*;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// How a FREE's bending law is computed: the compliances of solids of two lengths, straight, under pressures and loads along the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +29,8 @@ impl Default for BendingSweep {
 const FIRST: f64 = 0.02;
 /// Least twist times the outer radius that the torques are to give.
 const LEAST_TWIST: f64 = 0.05;
+/// Greatest force and torque over what the greatest pressure does on the outer cross-section, and on threads of 45 degrees.
+const GREATEST_LOAD: f64 = 1.5;
 
 /// A tube under axial loads: what it gives way to, and its middle's stretch and twist.
 #[derive(Clone, Debug)]
@@ -93,9 +95,7 @@ fn flexibility([short, long]: [&Answer; 2]) -> Matrix2<f64> {
 fn sample([short, long]: [&Answer; 2]) -> Option<BendingSample> {
     let found = RodCompliance::identified([(&short.rod, &short.compliance), (&long.rod, &long.compliance)])?;
     let compliance = found.folded(long.rod.stretch);
-    let RodCompliance { bending, shear, coupling, .. } = compliance;
-    let sound = bending > 0.0 && shear > 0.0 && coupling * coupling < bending * shear;
-    sound.then_some(BendingSample { strain: long.strain, compliance })
+    compliance.is_sound().then_some(BendingSample { strain: long.strain, compliance })
 }
 
 impl BendingSweep {
@@ -156,11 +156,16 @@ impl BendingSweep {
             .collect();
         let greatest = middles.iter().map(|(_, pair)| pair[1].strain[1].abs()).fold(0.0, f64::max);
         let twist = self.range[1] * greatest.max(LEAST_TWIST / free.tube.outer_radius());
+        // FREEs whose threads run along them are so stiff that nothing in a module stretches them so far: what others put on is of the
+        // size of what pressure does to the ends.
+        let (radius, most) = (free.tube.outer_radius(), GREATEST_LOAD * pressure_max);
+        let greatest_loads = [most * PI * radius.powi(2), most * TAU * radius.powi(3)];
         let sizes: Vec<[f64; 2]> = middles
             .iter()
             .map(|(_, pair)| {
                 let flexible = flexibility(*pair);
-                [self.range[0] / flexible[(0, 0)], twist / flexible[(1, 1)]]
+                let wanted = [self.range[0] / flexible[(0, 0)], twist / flexible[(1, 1)]];
+                [wanted[0].min(greatest_loads[0]), wanted[1].min(greatest_loads[1])]
             })
             .collect();
         let loaded = apart(

@@ -117,3 +117,61 @@ fn slopes_are_derivatives_and_the_energy_is_positive_everywhere() {
         }
     }
 }
+
+#[test]
+fn samples_far_apart_and_ends_stiffer_than_their_zone_leave_the_energy_positive_and_bounded() {
+    // Threads that go slack: fifty times more flexible on one side, and caps that hold more than the whole end zone.
+    let planes = [1e3, 2e4, 5e4].map(|pressure| {
+        let mut plane = plane(pressure);
+        for sample in plane.loaded.iter_mut().take(3) {
+            let slack = RodCompliance { bending: 1e5, coupling: 90.0, ..sample.compliance };
+            sample.compliance = RodCompliance { end_bending: -4e3, end_coupling: 3.0, ..slack };
+        }
+        plane
+    });
+    let table = BendingTable::new(&planes).unwrap();
+    let samples = || planes.iter().flat_map(|plane| plane.loaded.iter().chain([&plane.free]));
+    let least = samples().map(|sample| sample.compliance.bending).fold(f64::INFINITY, f64::min);
+    let most = samples().map(|sample| sample.compliance.bending).fold(0.0, f64::max);
+    let mut kept = 0;
+    for pressure in (0..=50).map(|kpa| 1e3 * f64::from(kpa)) {
+        for (stretch, twist) in
+            [(1.0, 0.0), (1.3, -90.0), (0.9, 60.0), (1.02, 14.0), (0.97, -14.0), (1.1, 3.0)]
+        {
+            for ends in [0.0, 40.0, 150.0] {
+                let found = table.respond(pressure, stretch, twist, ends);
+                let [b, c, g] = found.stiffness;
+                assert!(
+                    b > 0.0 && g > 0.0 && b * g > c * c,
+                    "{pressure} {stretch} {twist} {ends}: {found:?}"
+                );
+                let compliance = g / (b * g - c * c);
+                if ends == 0.0 {
+                    // Half the range beyond twice the range of the samples, in logarithms.
+                    let room = (most / least).powf(1.5);
+                    assert!(compliance > least / room && compliance < most * room, "{compliance}");
+                }
+                kept += usize::from(ends > 100.0);
+            }
+        }
+    }
+    assert!(kept > 100);
+}
+
+#[test]
+fn what_keeps_numbers_in_bounds_has_two_derivatives() {
+    for x in [-9.0, -1.3, -0.51, -0.49, 0.2] {
+        let of = |x: f64| kept_above(Jet::variable(x, 0), -0.5, 0.4);
+        let (found, h) = (of(x), 1e-4);
+        let [behind, ahead] = [-h, h].map(|h| of(x + h));
+        assert!(((ahead.value - behind.value) / (2.0 * h) - found.gradient[0]).abs() < 1e-7);
+        assert!(((ahead.gradient[0] - behind.gradient[0]) / (2.0 * h) - found.hessian[(0, 0)]).abs() < 1e-6);
+        assert!(found.value > -0.9 && (x < -0.5 || found.value == x));
+        let mirrored = kept_below(Jet::variable(-x, 0), 0.5, 0.4);
+        assert_eq!(mirrored.value, -found.value);
+    }
+    // Continuous over the join in value, slope and curvature.
+    let [below, above] = [-0.5 - 1e-9, -0.5 + 1e-9].map(|x| kept_above(Jet::variable(x, 0), -0.5, 0.4));
+    assert!((below.gradient[0] - above.gradient[0]).abs() < 1e-7);
+    assert!((below.hessian[(0, 0)] - above.hessian[(0, 0)]).abs() < 1e-6);
+}

@@ -22,7 +22,7 @@ impl Jet {
     }
 
     /// f(self), given f, f', f'' at its value.
-    fn compose(self, [f, slope, curvature]: [f64; 3]) -> Self {
+    pub fn compose(self, [f, slope, curvature]: [f64; 3]) -> Self {
         Jet {
             value: f,
             gradient: self.gradient * slope,

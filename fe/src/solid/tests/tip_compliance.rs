@@ -141,6 +141,29 @@ fn axial_loads_leave_the_sections_alone_but_for_what_they_do_to_them() {
 }
 
 #[test]
+fn threads_along_a_tube_are_found_to_couple_bending_and_shear() {
+    let winding = winding(75.0, Handedness::Right, 6, 0.15e-3);
+    for pressure in [1e3, 1.5e4, 4e4] {
+        let [short, long] = [[20e-3, 40e-3], [40e-3, 70e-3]].map(|lengths: [f64; 2]| {
+            let [a, b] = lengths.map(|length: f64| {
+                let mesh = SolidMesh::new(12, (700.0 * length).round() as usize);
+                let (mut solver, state, rod) =
+                    straight(&specimen(length, &[winding], 1e4), mesh, pressure, [0.0; 2]);
+                (rod, solver.tip_compliance(&state).unwrap())
+            });
+            let found = RodCompliance::identified([(&a.0, &a.1), (&b.0, &b.1)]).unwrap();
+            found.folded(b.0.stretch)
+        });
+        let share = |rod: &RodCompliance| rod.coupling / (rod.bending * rod.shear).sqrt();
+        assert!(
+            share(&long) > 0.75 && (share(&short) / share(&long) - 1.0).abs() < 0.02,
+            "{pressure}: {short:?} {long:?}"
+        );
+        assert!((short.bending / long.bending - 1.0).abs() < 0.01, "{pressure}: {short:?} {long:?}");
+    }
+}
+
+#[test]
 fn a_tip_that_cannot_bend_has_no_compliance() {
     let specimen = specimen(10e-3, &[], 1e4);
     let mesh = SolidMesh::new(12, 4);
