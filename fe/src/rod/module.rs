@@ -9,7 +9,7 @@ use crate::{
     rigid_motion::Frame,
     tip_plate::{GuidedPlate, Plate},
 };
-use actuator::{Module, units::STANDARD_GRAVITY};
+use actuator::{Module, PlacedFree, units::STANDARD_GRAVITY};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::sync::Arc;
 
@@ -80,10 +80,12 @@ impl RodModule {
         self.laws.clone()
     }
 
+    /// The FREEs with a part of their weights and of what their lengths differ from the mean one: without, they stand straight under the plate
+    /// and pull and push nothing.
     pub(super) fn chains(&self, part: f64) -> Vec<Chain<'_>> {
         let base = &self.module.base;
         let weight = Vector3::from(base.gravity) * (part * STANDARD_GRAVITY * base.free_mass);
-        let elements = self.elements() as f64;
+        let (elements, mean) = (self.elements() as f64, self.module.length());
         let member = |free: usize, arm: Vector3<f64>| {
             let placed = &self.module.frees[free];
             let law = ElementLaw {
@@ -92,7 +94,7 @@ impl RodModule {
                 bending: self.laws[free].bending.as_ref(),
                 bending_scale: self.settings.bending_stiffness_scale,
                 held_at: (self.module.spacers > 0).then_some(placed.position),
-                length: placed.free.tube.length / elements,
+                length: (mean + part * (placed.free.tube.length - mean)) / elements,
                 ends: 0.0,
             };
             Member { free, law, weight, arm, end_zone: 2.0 * placed.free.tube.outer_radius() }
@@ -117,6 +119,13 @@ impl RodModule {
             0 => self.settings.elements,
             spacers => spacers as usize + 1,
         }
+    }
+
+    /// Greatest difference of a FREE's length from the mean one, relative to it.
+    pub(super) fn misfit(&self) -> f64 {
+        let mean = self.module.length();
+        let of = |free: &PlacedFree| (free.free.tube.length / mean - 1.0).abs();
+        self.module.frees.iter().map(of).fold(0.0, f64::max)
     }
 
     /// The undeformed shape: straight FREEs under a plate at their mean length.

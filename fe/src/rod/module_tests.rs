@@ -262,3 +262,48 @@ fn a_tabulated_law_places_the_tip_like_the_law_itself() {
     // 0.05 % of the length, and a third of a degree after up to 190 of twist.
     assert!(worst[0] < 5e-4 && worst[1] < 6e-3, "{worst:?}");
 }
+
+/// FREEs of other lengths than the mean are strained at rest: between plates that stay parallel by their own z/L, whose forces cancel.
+#[test]
+fn frees_of_different_lengths_share_a_prestress() {
+    let mut module = module([-7.5e-3, 7.5e-3].map(|x| at(free(30.0, Handedness::Right), x, 0.0)).to_vec());
+    module.frees[1].free.tube.length = 0.18;
+    module.tip.free_dof = [false, false, true, false, false, false];
+    let law = Linear { axial: 30.0, torsion: 1e-3, area: 0.0, arm: 0.0 };
+    let settings = RodSettings { bending_stiffness_scale: 10.0, ..RodSettings::default() };
+    let found = linear(&module, law, settings).rest().unwrap();
+    let height = 2.0 / (1.0 / 0.175 + 1.0 / 0.18);
+    assert!((found.state.chart.position[2] - height).abs() < 1e-10, "{found:?}");
+    let pulls = found.wrenches.iter().map(|wrench| wrench.force[2]);
+    let expected = [0.175, 0.18].map(|length| -30.0 * (height / length - 1.0));
+    for (pull, expected) in pulls.zip(expected) {
+        assert!((pull - expected).abs() < 1e-8, "{pull} {expected}");
+    }
+    assert_eq!(found.state.negative_pivots, 0);
+}
+
+/// One of four a good centimetre off its fellows is a third of what a FREE can be pressed before it buckles: a start that Newton's method does
+/// not survive at once. A long one tips the plate over to the others, a short one to itself.
+#[test]
+fn a_free_that_is_a_centimetre_off_tips_the_plate() {
+    let tipped = [1e-2, -1e-2].map(|off| {
+        let mut module = left_right([0.0, 0.0, 1.0]);
+        module.frees[0].free.tube.length += off;
+        let rods = analytic(&module, RodSettings::default());
+        let rest = rods.rest().unwrap();
+        let tip = rest.state.chart.to_pose().position;
+        // The FREE stands at (+, +).
+        assert!(tip.x * off < 0.0 && tip.y * off < 0.0, "{off}: {rest:?}");
+        assert!(tip.x.abs() > 5e-3, "{off}: {tip}");
+        let goal = [2e4, 1e4, 0.0, 5e3];
+        let found = rods.solve(&goal).unwrap();
+        assert!(rest.state.residual < 1e-10 && found.state.residual < 1e-10);
+        // Put on in pieces, it ends at the same equilibrium.
+        let again = rods.solve_from(&rods.solve(&[1e4; 4]).unwrap(), &goal).unwrap();
+        for (a, b) in found.state.chart.to_array().iter().zip(again.state.chart.to_array()) {
+            assert!((a - b).abs() < 1e-8, "{found:?} {again:?}");
+        }
+        tip
+    });
+    assert!(tipped[0].x * tipped[1].x < 0.0);
+}

@@ -13,12 +13,14 @@ const TOLERANCE: f64 = 1e-10;
 const NEWTON_STEPS: usize = 20;
 /// Longest pressure step, Pa: short enough to stay on the branch that comes from rest.
 const PRESSURE_STEP: f64 = 15e3;
+/// Greatest strain of a FREE's own length against the mean one that is put on in a step.
+const MISFIT_STEP: f64 = 5e-3;
 /// Shortest step as a part of the way before it is given up.
 const SHORTEST_STEP: f64 = 1e-4;
 /// Greatest change of an element's rotation (rad) and stretch in one Newton step.
 const STEP_LIMITS: (f64, f64) = (0.4, 0.3);
 
-/// Pressures and the part of weights and tip load that acts.
+/// Pressures and the part that acts of weights, tip load, and differences of the FREEs' lengths.
 #[derive(Clone)]
 pub(super) struct Loads {
     pub pressures: Vec<f64>,
@@ -26,14 +28,14 @@ pub(super) struct Loads {
 }
 
 impl RodModule {
-    /// Equilibrium at the pressures (Pa), followed from rest: first the weights and the tip load are put on without
-    /// pressure, then all pressures are raised together.
+    /// Equilibrium at the pressures (Pa), followed from rest: first weights, tip load and the FREEs' own lengths are put
+    /// on without pressure, then all pressures are raised together.
     pub fn solve(&self, pressures: &[f64]) -> Result<Equilibrium, RodError> {
         let rest = self.rest()?;
         self.solve_from(&rest, pressures)
     }
 
-    /// Equilibrium without pressure under the weights and the tip load.
+    /// Equilibrium without pressure under the weights, the tip load, and the prestress of FREEs of different lengths.
     pub fn rest(&self) -> Result<Equilibrium, RodError> {
         let zero = vec![0.0; self.laws.len()];
         let from = Loads { pressures: zero.clone(), part: 0.0 };
@@ -62,9 +64,9 @@ impl RodModule {
         };
         let longest =
             from.pressures.iter().zip(&to.pressures).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        let mut step = (PRESSURE_STEP / longest).min(1.0);
+        let misfit = (to.part - from.part).abs() * self.misfit();
         // Equal steps, so that the last is not a splinter.
-        step = 1.0 / (1.0 / step).ceil();
+        let mut step = 1.0 / (longest / PRESSURE_STEP).max(misfit / MISFIT_STEP).max(1.0).ceil();
         let (mut done, mut shape) = (0.0, start.clone());
         loop {
             let goal = if done + step > 1.0 - 1e-9 { 1.0 } else { done + step };
