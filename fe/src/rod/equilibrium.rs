@@ -107,6 +107,16 @@ pub enum RodError {
         /// Shape of the last equilibrium on the way.
         last: Box<Configuration>,
     },
+    /// A tip that is bent further than the chart of poses reaches.
+    #[error("the module at {} kPa comes to rest with its tip bent by {:.0} deg, beyond the 180 deg that a pose can tell (and where FREEs and plates would meet); stay below these pressures", in_kpa(pressures), bend.to_degrees())]
+    BentOver {
+        /// Pressures, Pa.
+        pressures: Vec<f64>,
+        /// The bend, rad.
+        bend: f64,
+        /// Its shape, whose pose is not to be trusted.
+        last: Box<Configuration>,
+    },
     /// A section is stretched or twisted beyond what its law was made for.
     #[error("FREE {} at {:.2} kPa is stretched to {axial_stretch:.4} and twisted by {twist_per_length:.2} rad/m (right-handed), outside its section law (which ends at the FREE's own limit pressure); stay below these pressures", free + 1, pressure / 1e3)]
     OutsideSectionLaw {

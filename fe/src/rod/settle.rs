@@ -5,6 +5,7 @@ use super::{
     path::{Loads, moved, step_length},
     system::System,
 };
+use std::f64::consts::PI;
 
 /// Steps downhill before it is given up.
 const STEPS: usize = 400;
@@ -20,7 +21,7 @@ impl RodModule {
     /// Steps are Newton's with as much of the metric of modes added to the tangent as makes it positive definite.
     ///
     /// # Errors
-    /// [`RodError`] where none is found, or it lies outside the section laws.
+    /// [`RodError`] where none is found, or it lies outside the section laws; [`RodError::BentOver`] where the tip bends by more than pi.
     pub fn settle(
         &self,
         from: &Equilibrium,
@@ -52,7 +53,7 @@ impl RodModule {
                 if let Ok(near) = self.newton(&shape, &loads) {
                     let found = self.finish(near, &loads)?;
                     if !found.state.is_buckled() && found.energy <= from.energy {
-                        return Ok(found);
+                        return within_chart(found);
                     }
                 }
             }
@@ -94,5 +95,35 @@ impl RodModule {
             }
         }
         Err(failed(residual, shape))
+    }
+}
+
+/// A bend beyond pi is the same rotation as another one below: the chart of poses ends there.
+fn within_chart(found: Equilibrium) -> Result<Equilibrium, RodError> {
+    let [x, y] = found.state.chart.bend;
+    let bend = x.hypot(y);
+    if bend < PI {
+        return Ok(found);
+    }
+    Err(RodError::BentOver { pressures: found.pressures, bend, last: Box::new(found.configuration) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{RodSettings, rod::specimens::*};
+
+    #[test]
+    fn a_bend_beyond_the_chart_is_refused_in_words() {
+        let found = analytic(&left_right([0.0; 3]), RodSettings::default()).rest().unwrap();
+        let bent = |bend: [f64; 2]| {
+            let mut found = found.clone();
+            found.state.chart.bend = bend;
+            within_chart(found)
+        };
+        assert!(bent([2.2, -2.2]).is_ok());
+        let error = bent([2.3, -2.3]).unwrap_err();
+        assert!(matches!(error, RodError::BentOver { bend, .. } if (bend - 2.3 * 2f64.sqrt()).abs() < 1e-15));
+        assert!(error.to_string().contains("bent by 186 deg"), "{error}");
     }
 }

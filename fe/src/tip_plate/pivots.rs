@@ -57,7 +57,7 @@ fn sweep(mut a: Matrix6<f64>) -> Option<(Matrix6<f64>, u32)> {
                 }
             }
         }
-        if !(alone.1.max(pair.2) > SINGULAR) {
+        if alone.1.max(pair.2) <= SINGULAR {
             return None;
         }
         if alone.1 >= ALONE * pair.2 {
