@@ -90,8 +90,13 @@ impl std::error::Error for DescriptionError {
 impl Rig {
     /// Reads a description from a TOML file.
     pub fn read(path: &Path) -> Result<Self, DescriptionError> {
-        let text = fs::read_to_string(path)
-            .map_err(|source| DescriptionError::Io { path: path.to_owned(), source })?;
+        let text = fs::read_to_string(path).map_err(|source| {
+            let source = match source.kind() {
+                io::ErrorKind::InvalidData => io::Error::other("no text; a description is a TOML file"),
+                _ => source,
+            };
+            DescriptionError::Io { path: path.to_owned(), source }
+        })?;
         Self::parse(path, text)
     }
 

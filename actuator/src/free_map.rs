@@ -1,4 +1,4 @@
-use crate::{FreeParameter, FreePath, LoadedFree, MapAxis, ParameterError};
+use crate::{FreeParameter, FreePath, LoadedFree, MapAxis, ParameterError, grid_places};
 use serde::{Deserialize, Serialize};
 
 /// What computed the states of a FREE's map.
@@ -65,14 +65,8 @@ impl FreeMap {
 
     /// The values (SI) of the axes at node `index`, in their order.
     pub fn coordinates(&self, index: usize) -> Vec<f64> {
-        let mut rest = index;
-        let mut values: Vec<f64> = Vec::with_capacity(self.axes.len());
-        for axis in self.axes.iter().rev() {
-            values.push(axis.values[rest % axis.values.len()]);
-            rest /= axis.values.len();
-        }
-        values.reverse();
-        values
+        let places = grid_places(self.axes.iter().map(|axis| axis.values.len()), index);
+        places.into_iter().zip(&self.axes).map(|(place, axis)| axis.values[place]).collect()
     }
 
     /// The FREE at values (SI) of the axes, in their order.

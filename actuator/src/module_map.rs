@@ -1,4 +1,4 @@
-use crate::{Limits, Module, PoseChart};
+use crate::{Limits, Module, PoseChart, grid_places};
 use serde::{Deserialize, Serialize};
 
 /// A quantity of the module that is known less well than its pressures, to which a map keeps its sensitivity.
@@ -91,19 +91,8 @@ impl ModuleMap {
 
     /// Pressures (Pa) of a node.
     pub fn node_pressures(&self, node: usize) -> Vec<f64> {
-        let mut rest = node;
-        let mut values: Vec<f64> = self
-            .pressures
-            .iter()
-            .rev()
-            .map(|axis| {
-                let value = axis[rest % axis.len()];
-                rest /= axis.len();
-                value
-            })
-            .collect();
-        values.reverse();
-        values
+        let places = grid_places(self.pressures.iter().map(Vec::len), node);
+        places.into_iter().zip(&self.pressures).map(|(place, axis)| axis[place]).collect()
     }
 
     /// Whether every node was computed.

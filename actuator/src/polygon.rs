@@ -52,6 +52,17 @@ impl ConvexPolygon {
         Self::hull(self.vertices.iter().flat_map(sums))
     }
 
+    /// Least and greatest coordinate along an axis; the wrong way round, infinite, of no points.
+    pub fn extent(&self, axis: usize) -> (f64, f64) {
+        let along = self.vertices.iter().map(|vertex| vertex[axis]);
+        along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
+    }
+
+    /// The vertices with the first once more at the end: the outline as a line.
+    pub fn closed(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        self.vertices.iter().chain(self.vertices.first()).copied()
+    }
+
     /// Area, in the product of the axes' units.
     pub fn area(&self) -> f64 {
         let Some(first) = self.vertices.first() else { return 0.0 };
@@ -70,11 +81,18 @@ mod tests {
         let hull = ConvexPolygon::hull(more.into_iter().chain(square));
         assert_eq!(hull.vertices, square);
         assert_eq!(hull.area(), 4.0);
+        assert_eq!((hull.extent(0), hull.extent(1)), ((0.0, 2.0), (0.0, 2.0)));
+        assert_eq!(
+            hull.closed().collect::<Vec<_>>(),
+            [square[0], square[1], square[2], square[3], square[0]]
+        );
     }
 
     #[test]
     fn points_and_segments_are_polygons_without_area() {
         assert_eq!(ConvexPolygon::hull([]).area(), 0.0);
+        assert_eq!(ConvexPolygon::hull([]).closed().count(), 0);
+        assert_eq!(ConvexPolygon::hull([]).extent(0), (f64::INFINITY, f64::NEG_INFINITY));
         assert_eq!(ConvexPolygon::hull([[1.0, 2.0]; 3]).vertices, [[1.0, 2.0]]);
         let line = ConvexPolygon::hull((0..10).map(|i| [0.1 * f64::from(i), 0.3 * f64::from(i)]));
         assert_eq!(line.vertices.len(), 2);

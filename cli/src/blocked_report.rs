@@ -54,23 +54,27 @@ fn named(wrench: Wrench) -> Value {
     Value::Object(pairs.collect())
 }
 
-/// Vertices of an outline in the units of files.
-fn outline(polygon: &ConvexPolygon, plane: [usize; 2]) -> Vec<[f64; 2]> {
-    let scale = |vertex: &[f64; 2]| [0, 1].map(|i| vertex[i] / COMPONENTS[plane[i]].2);
-    polygon.vertices.iter().map(scale).collect()
+/// Points of a plane in the units of files.
+fn in_plane(points: impl Iterator<Item = [f64; 2]>, plane: [usize; 2]) -> Vec<[f64; 2]> {
+    points.map(|point| [0, 1].map(|i| point[i] / COMPONENTS[plane[i]].2)).collect()
 }
 
-fn closed(vertices: Vec<[f64; 2]>) -> Vec<(f64, f64)> {
-    let first = vertices.first().copied();
-    vertices.into_iter().chain(first).map(|[x, y]| (x, y)).collect()
+/// Vertices of a set in the units of files.
+fn vertices(set: &ConvexPolygon, plane: [usize; 2]) -> Vec<[f64; 2]> {
+    in_plane(set.vertices.iter().copied(), plane)
+}
+
+/// Outline of a set as a line, in the units of files.
+fn outline(set: &ConvexPolygon, plane: [usize; 2]) -> Vec<(f64, f64)> {
+    in_plane(set.closed(), plane).into_iter().map(Into::into).collect()
 }
 
 fn status(state: &Option<HeldState>) -> &'static str {
     match state {
         None => "not found",
         Some(HeldState { negative_pivots: None, .. }) => "section",
-        Some(HeldState { negative_pivots: Some(0), .. }) => "stable",
-        Some(_) => "unstable",
+        Some(state) if state.is_unstable() => "unstable",
+        Some(_) => "stable",
     }
 }
 
@@ -131,10 +135,9 @@ impl<'a> Report<'a> {
     fn is_flat(&self, plane: [usize; 2]) -> bool {
         let shadow = self.forces.shadow(plane);
         (0..2).any(|i| {
-            let values = || shadow.vertices.iter().map(|vertex| vertex[i]);
-            let wide = values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min);
+            let (low, high) = shadow.extent(i);
             // Of a single vertex it is zero, of none minus infinity.
-            wide <= FLAT * self.size[usize::from(plane[i] > 2)]
+            high - low <= FLAT * self.size[usize::from(plane[i] > 2)]
         })
     }
 
@@ -145,8 +148,8 @@ impl<'a> Report<'a> {
         let states = self.forces.states.iter().flatten().map(|state| scaled(state.wrench));
         let points: Vec<(f64, f64)> = states.map(|values| (values[plane[0]], values[plane[1]])).collect();
         let rest = scaled(self.forces.linear.base);
-        let reachable = closed(outline(&self.forces.shadow(plane), plane));
-        let linear = closed(outline(&self.forces.linear.shadow(plane), plane));
+        let reachable = outline(&self.forces.shadow(plane), plane);
+        let linear = outline(&self.forces.linear.shadow(plane), plane);
         // A single FREE has a curve, not a set.
         let alone = self.forces.pressures.len() == 1;
         let (mark, name) = if alone { (Mark::LinePoints, "computed") } else { (Mark::Dots, "combinations") };
@@ -168,6 +171,11 @@ impl<'a> Report<'a> {
         let top =
             self.forces.pressures.iter().map(|axis| short(axis.last().copied().unwrap_or_default() / KPA));
         format!("plate held at {at} mm{turned}; up to {} kPa", top.collect::<Vec<_>>().join(", "))
+    }
+
+    /// How many combinations have a status.
+    fn count(&self, wanted: &str) -> usize {
+        self.forces.states.iter().filter(|state| status(state) == wanted).count()
     }
 
     /// For programs.
@@ -196,11 +204,10 @@ impl<'a> Report<'a> {
                 json!({
                     "components": plane.map(|k| COMPONENTS[k].0),
                     "linear_area": linear.area() / units, "reachable_area": reachable.area() / units,
-                    "linear_vertices": outline(&linear, plane), "reachable_vertices": outline(&reachable, plane),
+                    "linear_vertices": vertices(&linear, plane), "reachable_vertices": vertices(&reachable, plane),
                 })
             })
             .collect();
-        let count = |wanted: &str| forces.states.iter().filter(|state| status(state) == wanted).count();
         let position = self.pose.position;
         json!({
             "name": self.name,
@@ -209,7 +216,7 @@ impl<'a> Report<'a> {
             },
             "acts_on": "the tip plate, about its centre, in the base frame",
             "frees_are": if forces.frees.is_some() { "independent" } else { "tied by spacers" },
-            "states": forces.states.len(), "not_found": count("not found"), "unstable": count("unstable"),
+            "states": forces.states.len(), "not_found": self.count("not found"), "unstable": self.count("unstable"),
             "without_pressure": named(forces.linear.base), "generators": generators, "corners": corners,
             "linear_force_volume_n3": forces.linear.volume([0, 1, 2]),
             "linear_moment_volume_nmm3": forces.linear.volume([3, 4, 5]) / MM.powi(3),
@@ -267,19 +274,18 @@ impl<'a> Report<'a> {
         if forces.pressures.len() > 1 {
             text += &format!("\n{}", areas.text());
         }
-        let count = |wanted: &str| forces.states.iter().filter(|state| status(state) == wanted).count();
-        if count("unstable") > 0 {
+        if self.count("unstable") > 0 {
             text += &format!(
                 "\nIn {} of {} states a FREE is unstable: under its own thrust it would buckle sideways and give less. By the bare tubes' stiffness \
                  a FREE that pulls more than its shear stiffness counts too, which is too early: --bending solids tells.\n",
-                count("unstable"),
+                self.count("unstable"),
                 forces.states.len()
             );
         }
-        if count("not found") > 0 {
+        if self.count("not found") > 0 {
             text += &format!(
                 "\nNo equilibrium was found for {} of {} combinations; the sets are those of the others.\n",
-                count("not found"),
+                self.count("not found"),
                 forces.states.len()
             );
         }

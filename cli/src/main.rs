@@ -43,7 +43,6 @@ mod sweep;
 mod table;
 mod tip_model;
 mod values;
-mod vtu;
 mod workspace_report;
 
 use clap::{CommandFactory, FromArgMatches, Parser};

@@ -83,7 +83,7 @@ fn write_state(
     // Pressures rise along a map's path, which ends at its limit point.
     let frames: Vec<_> =
         shown.written.iter().map(|state| (state.pressure / KPA, state.files.clone())).collect();
-    output::replace(&shown.collection, &mut |out| fe::write_pvd(&frames, out))
+    output::replace(&shown.collection, &mut |out| fe::vtk::write_pvd(&frames, out))
 }
 
 /// Solves a path again, up to its last state that is wanted, and writes those.

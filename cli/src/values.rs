@@ -15,7 +15,8 @@ impl FromStr for Values {
     fn from_str(text: &str) -> Result<Self, String> {
         let mut values = Vec::new();
         for piece in text.split(',') {
-            let numbers = piece.split(':').map(number).collect::<Result<Vec<_>, _>>()?;
+            let like = "0.2,0.393,0.6 or a range like 10:80:10";
+            let numbers = piece.split(':').map(|text| number(text, like)).collect::<Result<Vec<_>, _>>()?;
             match numbers[..] {
                 [one] => values.push(one),
                 [first, last, step] => values.extend(range(first, last, step)?),
@@ -52,20 +53,18 @@ impl Values {
 
 /// Exactly `N` numbers between commas.
 pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
-    let numbers = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+    let like = "5,-3,178";
+    let numbers = text.split(',').map(|text| number(text, like)).collect::<Result<Vec<_>, _>>()?;
     let count = numbers.len();
     numbers
         .try_into()
         .map_err(|_| format!("{count} numbers where {N} are needed, between commas and without spaces"))
 }
 
-fn number(text: &str) -> Result<f64, String> {
+fn number(text: &str, like: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!(
-            "`{}` is not a number; write numbers like 0.2,0.393,0.6 or a range like 10:80:10",
-            text.trim()
-        )),
+        _ => Err(format!("`{}` is not a number; write numbers like {like}", text.trim())),
     }
 }
 
@@ -133,6 +132,8 @@ mod tests {
         assert_eq!(numbers::<3>("5,-3,1.5e2").unwrap(), [5.0, -3.0, 150.0]);
         assert!(numbers::<3>("0,175").unwrap_err().contains("2 numbers where 3"));
         assert!(numbers::<3>("nan,0,175").unwrap_err().contains("not a number"));
+        // A position knows no ranges.
+        assert!(!numbers::<3>("0:2:1,0,175").unwrap_err().contains("range"));
     }
 
     #[test]

@@ -95,6 +95,16 @@ impl Bounds {
         Self::new(model.domain(), model.limits(), model.limit_pressures(), margin)
     }
 
+    /// Pressure (Pa) of a FREE after `place` of `last` even steps from the least to the greatest; both ends are met exactly.
+    pub fn step(&self, free: usize, place: usize, last: usize) -> f64 {
+        let (lower, upper) = (self.lower[free], self.upper[free]);
+        match place {
+            0 => lower,
+            place if place == last => upper,
+            place => lower + (upper - lower) * place as f64 / last as f64,
+        }
+    }
+
     /// What is wrong with them for a model of this domain, in words.
     pub(crate) fn complaint(&self, domain: &[(f64, f64)]) -> Option<String> {
         for (name, list) in [("lower", &self.lower), ("upper", &self.upper), ("limit", &self.limit)] {

@@ -1,5 +1,5 @@
 use crate::{Bounds, pose_error::pose_error, target::Goal};
-use actuator::PoseChart;
+use actuator::{PoseChart, grid_places};
 use rom::{OutOfDomain, PoseEvaluation, PoseModel};
 
 /// Poses over a coarse grid of the pressures within bounds: where a solve finds its starts.
@@ -58,33 +58,12 @@ impl WorkspaceTable {
 
     /// Pressures (Pa) of a node, last FREE fastest.
     pub fn pressures(&self, node: usize) -> Vec<f64> {
-        let at = self.indices(node);
-        (0..at.len())
-            .map(|free| {
-                let (lower, upper) = (self.bounds.lower[free], self.bounds.upper[free]);
-                match self.per_axis[free] - 1 {
-                    0 => lower,
-                    last if at[free] == last => upper,
-                    last => lower + (upper - lower) * at[free] as f64 / last as f64,
-                }
-            })
-            .collect()
+        let places = self.indices(node).into_iter().enumerate();
+        places.map(|(free, place)| self.bounds.step(free, place, self.per_axis[free] - 1)).collect()
     }
 
     fn indices(&self, node: usize) -> Vec<usize> {
-        let mut rest = node;
-        let mut indices: Vec<usize> = self
-            .per_axis
-            .iter()
-            .rev()
-            .map(|nodes| {
-                let index = rest % nodes;
-                rest /= nodes;
-                index
-            })
-            .collect();
-        indices.reverse();
-        indices
+        grid_places(self.per_axis.iter().copied(), node)
     }
 
     /// Up to `count` nodes near the goal in weighted pose error, nearest first, none beside another: neighbours lead to the

@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         solver.write_fibres_vtu(state, &mut create(&files[1])?)?;
         frames.push((*pressure, files.to_vec()));
     }
-    fe::write_pvd(&frames, &mut create("path.pvd")?)?;
+    fe::vtk::write_pvd(&frames, &mut create("path.pvd")?)?;
     end?;
     Ok(())
 }

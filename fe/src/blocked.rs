@@ -1,8 +1,8 @@
 use crate::{
-    BendingLaw, BendingSweep, ConstantBending, Equilibrium, HeldModule, ModuleSweepError, RodError, RodLaw,
-    RodModule, RodSettings, Run, SectionMesh, SectionSolver, ThickTube,
+    BendingSweep, Equilibrium, HeldModule, ModuleSweepError, RodError, RodLaw, RodModule, RodSettings, Run,
+    SectionMesh, SectionSolver, ThickTube, module_laws::bending_laws,
 };
-use actuator::{ConvexPolygon, Free, Module, PlacedFree, PoseChart, Wrench, Zonotope};
+use actuator::{ConvexPolygon, Free, Module, PlacedFree, PoseChart, Wrench, Zonotope, grid_places};
 use std::sync::Arc;
 
 /// How the wrenches of a module whose plate is held are computed.
@@ -29,6 +29,13 @@ pub struct HeldState {
     pub wrench: Wrench,
     /// Number of negative pivots: 0 = stable, more = a FREE would buckle sideways. `None` for a section, which knows no sideways.
     pub negative_pivots: Option<u32>,
+}
+
+impl HeldState {
+    /// Whether a FREE would buckle sideways.
+    pub fn is_unstable(&self) -> bool {
+        self.negative_pivots.is_some_and(|pivots| pivots > 0)
+    }
 }
 
 /// Wrenches that a held module, or FREE, gives over its pressures.
@@ -160,41 +167,20 @@ impl BlockedSweep {
         Ok(Some(forces))
     }
 
-    /// The laws of each FREE; those that are alike but for hand and length share one bending law.
+    /// The laws of each FREE.
     fn laws(
         &self,
         module: &Module,
         pressures: &[Vec<f64>],
         run: &Run<'_>,
     ) -> Result<Option<Vec<RodLaw>>, ModuleSweepError> {
-        let alike = |a: &PlacedFree, b: &PlacedFree| {
-            let of = |free: &Free| {
-                let mut free = *free;
-                free.tube.length = 1.0;
-                free.winding.handedness = actuator::Handedness::Right;
-                free
-            };
-            of(&a.free) == of(&b.free)
+        let greatest: Vec<f64> = pressures.iter().map(|axis| top(axis)).collect();
+        let Some(bending) = bending_laws(module, &greatest, self.bending, run)? else { return Ok(None) };
+        let law = |(placed, bending): (&PlacedFree, _)| RodLaw {
+            section: Arc::new(ThickTube::new(&placed.free)),
+            bending,
         };
-        let mut laws: Vec<RodLaw> = Vec::with_capacity(module.frees.len());
-        for (free, placed) in module.frees.iter().enumerate() {
-            let twin = (0..free).find(|other| alike(&module.frees[*other], placed));
-            let bending: Arc<dyn BendingLaw> = match (twin, self.bending) {
-                (Some(twin), _) => laws[twin].bending.clone(),
-                (None, None) => Arc::new(ConstantBending::of_bare_tube(&placed.free)),
-                (None, Some(sweep)) => {
-                    let users = module.frees.iter().zip(pressures).filter(|(other, _)| alike(other, placed));
-                    let greatest = users.map(|(_, axis)| top(axis)).fold(0.0, f64::max);
-                    let table = sweep.tabulate(&placed.free, greatest, run);
-                    match table.map_err(|source| ModuleSweepError::Bending { free, source })? {
-                        None => return Ok(None),
-                        Some(table) => Arc::new(table),
-                    }
-                }
-            };
-            laws.push(RodLaw { section: Arc::new(ThickTube::new(&placed.free)), bending });
-        }
-        Ok(Some(laws))
+        Ok(Some(module.frees.iter().zip(bending).map(law).collect()))
     }
 
     /// Force and torque along the axis of a FREE held at a stretch and a twist per length (rad/m), over pressures (Pa, rising from
@@ -244,19 +230,7 @@ impl BlockedForces {
 
     /// Place of a node on each FREE's pressures.
     fn places(&self, node: usize) -> Vec<usize> {
-        let mut rest = node;
-        let mut places: Vec<usize> = self
-            .pressures
-            .iter()
-            .rev()
-            .map(|axis| {
-                let place = rest % axis.len();
-                rest /= axis.len();
-                place
-            })
-            .collect();
-        places.reverse();
-        places
+        grid_places(self.pressures.iter().map(Vec::len), node)
     }
 
     /// Pressures (Pa) of a node of the grid.

@@ -31,6 +31,7 @@ mod solid_map;
 mod solid_module;
 mod sparse;
 mod tip_plate;
+pub mod vtk;
 
 pub use bending_law::{BendingLaw, BendingResponse, ConstantBending};
 pub use bending_sweep::BendingSweep;
@@ -59,7 +60,7 @@ pub use section_law::{SectionLaw, SectionResponse};
 pub use solid::{
     Branches, Coat, CriticalKind, CriticalPoint, Deformation, FibreModel, Plane, PressureLimit, SolidCost,
     SolidError, SolidLoad, SolidMesh, SolidMode, SolidPath, SolidSolver, SolidState, Specimen, Stability,
-    StrainAt, StrainFacet, Strains, TipCompliance, write_pvd,
+    StrainAt, StrainFacet, Strains, TipCompliance,
 };
 pub(crate) use solid::{CapForces, CapResponse, CarriedMotion, Lost};
 pub use solid_map::SolidSweep;

@@ -1,8 +1,8 @@
 //! Laws of the FREEs of a module as rods: sections and bending, shared by FREEs of one section.
 
 use crate::{
-    BendingLaw, ConstantBending, ModuleSweep, ModuleSweepError, RodLaw, RodModule, Run, SectionSolver,
-    SectionTable, TableError, TableGrid,
+    BendingLaw, BendingSweep, ConstantBending, ModuleSweep, ModuleSweepError, RodLaw, RodModule, Run,
+    SectionSolver, SectionTable, TableError, TableGrid,
 };
 use actuator::{Free, FreePath, Handedness, Module};
 use std::{f64::consts::TAU, sync::Arc};
@@ -23,6 +23,40 @@ fn section_of(free: &Free) -> Free {
 fn first_alike(module: &Module) -> Vec<usize> {
     let sections: Vec<Free> = module.frees.iter().map(|placed| section_of(&placed.free)).collect();
     sections.iter().map(|own| sections.iter().position(|other| other == own).unwrap_or_default()).collect()
+}
+
+fn greatest(pressures: &[f64]) -> f64 {
+    pressures.iter().fold(0.0f64, |greatest, pressure| greatest.max(*pressure))
+}
+
+/// Bending law of each FREE up to its greatest pressure (Pa), from solids or, with no sweep, of the bare tube; FREEs of one section
+/// share it. `None` where the run was stopped.
+pub(crate) fn bending_laws(
+    module: &Module,
+    pressures: &[f64],
+    sweep: Option<BendingSweep>,
+    run: &Run<'_>,
+) -> Result<Option<Vec<Arc<dyn BendingLaw>>>, ModuleSweepError> {
+    let alike = first_alike(module);
+    let mut laws: Vec<Arc<dyn BendingLaw>> = Vec::with_capacity(alike.len());
+    for (free, first) in alike.iter().copied().enumerate() {
+        let own = &module.frees[free].free;
+        let law = match sweep {
+            _ if first < free => laws[first].clone(),
+            None => Arc::new(ConstantBending::of_bare_tube(own)),
+            Some(sweep) => {
+                let users = alike.iter().zip(pressures).filter(|(other, _)| **other == free);
+                let top = users.fold(0.0f64, |top, (_, pressure)| top.max(*pressure));
+                let found = sweep.tabulate(own, top, run);
+                match found.map_err(|source| ModuleSweepError::Bending { free, source })? {
+                    None => return Ok(None),
+                    Some(table) => Arc::new(table),
+                }
+            }
+        };
+        laws.push(law);
+    }
+    Ok(Some(laws))
 }
 
 impl ModuleSweep {
@@ -91,24 +125,8 @@ impl ModuleSweep {
         sections: &[Arc<SectionTable>],
         run: &Run<'_>,
     ) -> Result<Option<Vec<Arc<dyn BendingLaw>>>, ModuleSweepError> {
-        let mut laws: Vec<Arc<dyn BendingLaw>> = Vec::with_capacity(sections.len());
-        for (free, first) in first_alike(module).into_iter().enumerate() {
-            let own = &module.frees[free].free;
-            let law = match self.bending {
-                _ if first < free => laws[first].clone(),
-                None => Arc::new(ConstantBending::of_bare_tube(own)),
-                Some(sweep) => {
-                    let top = sections[free].grid().pressures.iter().fold(0.0f64, |top, p| top.max(*p));
-                    let found = sweep.tabulate(own, top, run);
-                    match found.map_err(|source| ModuleSweepError::Bending { free, source })? {
-                        None => return Ok(None),
-                        Some(table) => Arc::new(table),
-                    }
-                }
-            };
-            laws.push(law);
-        }
-        Ok(Some(laws))
+        let greatest = sections.iter().map(|section| greatest(&section.grid().pressures));
+        bending_laws(module, &greatest.collect::<Vec<_>>(), self.bending, run)
     }
 
     /// The module as rods with these laws; `None` where the run was stopped.

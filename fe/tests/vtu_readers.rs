@@ -43,7 +43,7 @@ fn states_of_a_path_are_read_by_meshio() {
         frames.push((kilopascals, files.to_vec()));
     }
     let collection = folder.join("path.pvd");
-    fe::write_pvd(&frames, &mut File::create(&collection).unwrap()).unwrap();
+    fe::vtk::write_pvd(&frames, &mut File::create(&collection).unwrap()).unwrap();
 
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/python/read_vtu.py");
     let run = Command::new(&python).arg(&script).arg(&collection).output().unwrap();

@@ -1,5 +1,5 @@
 use crate::{ErrorStatistics, MAX_AXES, OutOfDomain, PoseEvaluation, PoseModel, SplineError, TensorSpline};
-use actuator::{Limits, MapParameter, Module, ModuleMap, PoseChart, units::KPA};
+use actuator::{Limits, MapParameter, Module, ModuleMap, PoseChart, grid_places, units::KPA};
 use serde::{Deserialize, Serialize};
 
 /// Fraction of a FREE's own limit pressure that a model leaves unused: near the limit the slopes grow without bound.
@@ -253,18 +253,8 @@ impl ModuleModel {
     pub fn buckled_nodes(&self) -> Vec<Vec<f64>> {
         let axes = self.chart.grid().axes();
         let pressures = |node: &u64| {
-            let mut rest = *node as usize;
-            let mut point: Vec<f64> = axes
-                .iter()
-                .rev()
-                .map(|axis| {
-                    let pressure = axis.nodes()[rest % axis.nodes().len()];
-                    rest /= axis.nodes().len();
-                    pressure
-                })
-                .collect();
-            point.reverse();
-            point
+            let places = grid_places(axes.iter().map(|axis| axis.nodes().len()), *node as usize);
+            places.into_iter().zip(axes).map(|(place, axis)| axis.nodes()[place]).collect()
         };
         self.facts.buckled.iter().map(pressures).collect()
     }

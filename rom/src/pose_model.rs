@@ -83,3 +83,23 @@ pub trait PoseModel {
         Ok(())
     }
 }
+
+/// A model that is lent, to each of several threads say.
+impl<M: PoseModel + ?Sized> PoseModel for &M {
+    fn domain(&self) -> &[(f64, f64)] {
+        (**self).domain()
+    }
+
+    fn evaluate(&self, pressures: &[f64], into: &mut PoseEvaluation) -> Result<(), OutOfDomain> {
+        (**self).evaluate(pressures, into)
+    }
+
+    fn evaluate_near(
+        &self,
+        pressures: &[f64],
+        reach: f64,
+        into: &mut PoseEvaluation,
+    ) -> Result<(), OutOfDomain> {
+        (**self).evaluate_near(pressures, reach, into)
+    }
+}

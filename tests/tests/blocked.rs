@@ -166,7 +166,10 @@ fn what_cannot_be_held_is_refused_in_words() {
     let folder = folder();
     let at = folder.path();
     fs::write(at.join("broken.toml"), MODULE.replace("wall_mm = 1.0", "wall_mm = -1.0")).expect("written");
+    fs::copy(data("maps/buffinton-2020-30lr.map"), at.join("module.map")).expect("copied");
     let cases: &[(&str, i32, &str)] = &[
+        ("blocked --of @module.map --out @x", 5, "a description is a TOML file"),
+        ("blocked --of @free.toml --out @x --pose-mm a,0,100", 2, "numbers like 5,-3,178"),
         ("blocked --of @module.toml", 2, "--out"),
         ("blocked --of @nothing.toml --out @x", 5, "No such file"),
         ("blocked --of @broken.toml --out @x", 5, "must be positive"),

@@ -3,10 +3,11 @@ use crate::{
     failure::{Failure, Outcome},
     goal, interrupt, output,
     progress::Progress,
-    sweep, workspace_report,
+    sweep,
+    workspace_report::{self, failure},
 };
 use actuator::units::KPA;
-use control::{ReachError, ReachRun, ReachSettings, ReachableSet};
+use control::{ReachRun, ReachSettings, ReachableSet};
 use rom::Model;
 use std::path::PathBuf;
 
@@ -49,15 +50,6 @@ pub struct Workspace {
     /// Threads (default: one per processor); the results do not depend on them
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=4096))]
     jobs: Option<u64>,
-}
-
-/// An error of the reachable set on its way to the user.
-fn failure(error: ReachError) -> Failure {
-    match error {
-        ReachError::Stopped => Failure::interrupted(),
-        ReachError::Setting { .. } => Failure::usage(format!("{error}")),
-        other => Failure::new(Exit::Refused, other),
-    }
 }
 
 impl Workspace {

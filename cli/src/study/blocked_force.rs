@@ -19,14 +19,7 @@ const PLANE: [usize; 2] = [2, 5];
 
 /// The outline of a set, N and N mm.
 fn outline(set: &ConvexPolygon) -> Vec<(f64, f64)> {
-    let vertices = set.vertices.iter().chain(set.vertices.first());
-    vertices.map(|[force, moment]| (*force, moment / MM)).collect()
-}
-
-/// Least and greatest of one component over a set.
-fn range(set: &ConvexPolygon, component: usize) -> (f64, f64) {
-    let values = set.vertices.iter().map(|vertex| vertex[component]);
-    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
+    set.closed().map(|[force, moment]| (force, moment / MM)).collect()
 }
 
 /// Adds the sets of the modules, held at rest, and what they say.
@@ -62,14 +55,9 @@ pub fn judge(bench: &Bench, findings: &mut Findings) -> Result<(), Failure> {
     let mut told = vec![];
     for (colour, (kind, forces)) in KINDS.iter().zip(&found).enumerate() {
         let (set, linear) = (forces.shadow(PLANE), forces.linear.shadow(PLANE));
-        let (force, moment) = (range(&set, 0), range(&set, 1));
+        let (force, moment) = (set.extent(0), set.extent(1));
         let missing = forces.states.iter().filter(|state| state.is_none()).count();
-        let unstable = forces
-            .states
-            .iter()
-            .flatten()
-            .filter(|state| state.negative_pivots.is_some_and(|n| n > 0))
-            .count();
+        let unstable = forces.states.iter().flatten().filter(|state| state.is_unstable()).count();
         table.rows.push(vec![
             kind.name.into(),
             format!("{:.2} to {:.2}", force.0, force.1),

@@ -3,7 +3,7 @@
 use super::{
     bench::{Bench, steps},
     findings::{Curves, Finding, Findings, Titled, Verdict},
-    module_rods::{GREATEST_KPA, Kind, SPACING_MM},
+    module_rods::{GREATEST_KPA, Kind, READINGS, SPACING_MM},
 };
 use crate::{
     case::{Case, cases},
@@ -41,7 +41,7 @@ struct Shape {
 
 /// A module without ties in case 2.
 struct Studied {
-    kind: Kind,
+    kind: &'static Kind,
     buckling: Option<Buckling>,
     /// Why the path ended before the greatest pressure.
     ended: Option<String>,
@@ -89,7 +89,7 @@ fn with_idle(case: &Case, pressure: f64, idle: f64) -> Vec<f64> {
     case.pressures(&[idle; 4], &[pressure; 4], 1.0)
 }
 
-fn study(bench: &Bench, kind: Kind) -> Result<Studied, Failure> {
+fn study(bench: &Bench, kind: &'static Kind) -> Result<Studied, Failure> {
     let module = kind.module(SPACING_MM, 0);
     let rods = bench.rods(&module, RodSettings::default())?;
     let case = cases(&module).swap_remove(1);
@@ -142,14 +142,10 @@ fn study(bench: &Bench, kind: Kind) -> Result<Studied, Failure> {
 
 /// Computes it.
 pub fn compute(bench: &Bench) -> Result<Findings, Failure> {
-    let kinds = [
-        Kind { name: "60 LR, angle from the hoop", angle_deg: 60.0, alternate: true },
-        Kind { name: "60 LR, angle from the axis", angle_deg: 30.0, alternate: true },
-    ];
-    for kind in &kinds {
+    for kind in &READINGS {
         bench.rod_law(kind.angle_deg)?;
     }
-    let studied = kinds.into_iter().map(|kind| study(bench, kind)).collect::<Result<Vec<_>, _>>()?;
+    let studied = READINGS.iter().map(|kind| study(bench, kind)).collect::<Result<Vec<_>, _>>()?;
     let mut findings = Findings { setup: setup(), ..Findings::default() };
     judge(&studied, &mut findings);
     let mut table = Titled::new(

@@ -169,7 +169,6 @@ fn table(followed: &[Followed]) -> Titled {
     for Followed { kind, spacers, paths } in followed {
         for path in paths {
             let last = path.last();
-            let gap = path.motions().iter().map(|motion| motion.gap).fold(f64::INFINITY, f64::min);
             table.rows.push(vec![
                 kind.name.into(),
                 spacers.to_string(),
@@ -179,7 +178,7 @@ fn table(followed: &[Followed]) -> Titled {
                 format!("{:.2}", last.distance()),
                 format!("{:+.1}", last.twist + 0.0),
                 format!("{:.1}", last.bend),
-                format!("{gap:.2}"),
+                format!("{:.2}", path.least_gap()),
                 path.unstable_from().map_or_else(|| "–".into(), |kpa| format!("{kpa:.1}")),
             ]);
         }

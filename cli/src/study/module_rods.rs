@@ -36,6 +36,12 @@ pub const KINDS: [Kind; 4] = [
     Kind { name: "40 R", angle_deg: 40.0, alternate: false },
 ];
 
+/// The 60 LR by what its angle may be measured from.
+pub const READINGS: [Kind; 2] = [
+    Kind { name: "60 LR, angle from the hoop", angle_deg: 60.0, alternate: true },
+    Kind { name: "60 LR, angle from the axis", angle_deg: 30.0, alternate: true },
+];
+
 impl Kind {
     /// The module at a distance of neighbouring axes.
     pub fn module(&self, spacing_mm: f64, spacers: u32) -> Module {
@@ -208,6 +214,11 @@ impl CasePath {
     pub fn last(&self) -> TipMotion {
         let motions = self.motions();
         motions[motions.len() - 1]
+    }
+
+    /// Least distance between FREEs along the way, mm.
+    pub fn least_gap(&self) -> f64 {
+        self.motions().iter().map(|motion| motion.gap).fold(f64::INFINITY, f64::min)
     }
 
     /// Lowest pressure (kPa) among the states at which the equilibrium is unstable.

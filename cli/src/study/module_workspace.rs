@@ -3,32 +3,29 @@
 use super::{
     bench::Bench,
     findings::{Finding, Findings, Titled, Verdict},
-    module_rods::{GREATEST_KPA, Kind, SPACING_MM, TIED, sweep},
+    module_rods::{GREATEST_KPA, Kind, READINGS, SPACING_MM, TIED, sweep},
     spacing,
 };
 use crate::{
-    case::cases,
     exit::Exit,
     failure::Failure,
     interrupt,
-    workspace_report::{Track, areas, pictures},
+    workspace_report::{CUBE, Track, areas, failure, pictures, tracks},
 };
 use actuator::{
     Limits,
     units::{KPA, MM},
 };
-use control::{Bounds, ReachError, ReachRun, ReachSettings, ReachableSet, scattered_pressures};
+use control::{Bounds, ReachRun, ReachSettings, ReachableSet, scattered_pressures};
 use fe::{Run, Shard};
 use rom::{ModuleModel, PoseModel, recommended_pressure_nodes};
 
-/// mm^3 in m^3.
-const CUBE: f64 = MM * MM * MM;
 /// Pairs of reached points whose middles are looked for.
 const PAIRS: usize = 5000;
 
 /// The reachable set of one reading of the module.
 struct Reached {
-    kind: Kind,
+    kind: &'static Kind,
     bounds: Bounds,
     /// Steps of a pressure, cells of the lattice, volume (m^3), each finer than the one before.
     levels: Vec<(usize, usize, f64)>,
@@ -43,10 +40,6 @@ struct Reached {
 
 /// Computes it.
 pub fn compute(bench: &Bench) -> Result<Findings, Failure> {
-    let kinds = [
-        Kind { name: "60 LR, angle from the hoop", angle_deg: 60.0, alternate: true },
-        Kind { name: "60 LR, angle from the axis", angle_deg: 30.0, alternate: true },
-    ];
     let mut findings = Findings { setup: setup(bench), ..Findings::default() };
     spacing::judge(bench, &mut findings)?;
     let mut table = Titled::new(
@@ -62,7 +55,7 @@ pub fn compute(bench: &Bench) -> Result<Findings, Failure> {
         ],
     );
     let mut reached = vec![];
-    for kind in kinds.into_iter().take(if bench.coarse { 1 } else { 2 }) {
+    for kind in READINGS.iter().take(if bench.coarse { 1 } else { 2 }) {
         let found = reach(bench, kind)?;
         for (steps, cells, volume) in &found.levels {
             let last = *steps == found.levels.last().map_or(0, |level| level.0);
@@ -120,7 +113,7 @@ fn outside(error: rom::OutOfDomain) -> Failure {
 }
 
 /// Map, spline and reachable set.
-fn reach(bench: &Bench, kind: Kind) -> Result<Reached, Failure> {
+fn reach(bench: &Bench, kind: &'static Kind) -> Result<Reached, Failure> {
     let module = kind.module(SPACING_MM, TIED);
     let frees = module.frees.len();
     let sweep = sweep(bench);
@@ -149,13 +142,7 @@ fn reach(bench: &Bench, kind: Kind) -> Result<Reached, Failure> {
     for (steps, cells) in if bench.coarse { [(2, 12), (4, 24)] } else { [(8, 32), (16, 64)] } {
         let run = ReachRun { progress: &told, is_stopped: &interrupt::is_asked };
         let settings = ReachSettings { steps, cells, jobs: bench.jobs };
-        let set =
-            ReachableSet::compute(&|| Lent(&model), &bounds, settings, &run).map_err(
-                |error| match error {
-                    ReachError::Stopped => Failure::interrupted(),
-                    other => Failure::new(Exit::NotConverged, other),
-                },
-            )?;
+        let set = ReachableSet::compute(&|| &model, &bounds, settings, &run).map_err(failure)?;
         levels.push((steps, cells, set.volume()));
         last = Some(set);
     }
@@ -165,37 +152,16 @@ fn reach(bench: &Bench, kind: Kind) -> Result<Reached, Failure> {
         .chunks_exact(2)
         .map(|pair| std::array::from_fn(|axis| 0.5 * (pair[0][axis] + pair[1][axis])))
         .collect();
-    let mut tracks = vec![];
-    for case in cases(&map.module) {
-        let part = |step: usize| step as f64 / 40.0;
-        let pressures: Vec<Vec<f64>> =
-            (0..=40).map(|step| case.pressures(&bounds.lower, &bounds.upper, part(step))).collect();
-        let positions = control::positions(&model, &pressures).map_err(outside)?;
-        tracks.push(Track { case, positions: (0..=40).map(part).zip(positions).collect() });
-    }
     Ok(Reached {
         kind,
         hollow: set.count_missed(middles.iter()),
         model_error: model.errors().position.worst,
         buckled: model.buckled_nodes().len(),
+        tracks: tracks(&map.module, &model, &bounds).map_err(outside)?,
         bounds,
         levels,
         set,
-        tracks,
     })
-}
-
-/// A model lent to a thread.
-struct Lent<'m>(&'m ModuleModel);
-
-impl PoseModel for Lent<'_> {
-    fn domain(&self) -> &[(f64, f64)] {
-        self.0.domain()
-    }
-
-    fn evaluate(&self, pressures: &[f64], into: &mut rom::PoseEvaluation) -> Result<(), rom::OutOfDomain> {
-        self.0.evaluate(pressures, into)
-    }
 }
 
 fn greatest_reach(set: &ReachableSet) -> f64 {

@@ -173,7 +173,8 @@ pub fn judge(bench: &Bench, findings: &mut Findings) -> Result<(), Failure> {
             ),
             verdict: Verdict::of(found.misfit() < 0.1),
             reason: format!(
-                "their proportions tell the readings apart. Within 10 %: {}. Best of the other reading: {}. So the numbers agree with 60° from the                  {} at about half the stated pressure, or with rubber and coat that are about twice as stiff",
+                "their proportions tell the readings apart. Within 10 %: {}. Best of the other reading: {}. So \
+                 the numbers agree with 60° from the {} at about half the stated pressure, or with rubber and coat that are about twice as stiff",
                 pressures.collect::<Vec<_>>().join(", "),
                 if other.is_empty() { "never comes to 36 mm in a stable equilibrium" } else { &other },
                 reading.from
@@ -225,7 +226,7 @@ fn table(readings: &[Reading]) -> Titled {
             if let Some(kpa) = path.unstable_from() {
                 remarks.push(format!("case {number} unstable from {kpa:.1} kPa"));
             }
-            let gap = motions.iter().map(|motion| motion.gap).fold(f64::INFINITY, f64::min);
+            let gap = path.least_gap();
             if gap < -0.5 {
                 remarks.push(format!("case {number}: FREEs overlap by {:.1} mm", -gap));
             }

@@ -1,12 +1,8 @@
 use super::SQUARE;
-use crate::{
-    failure::Failure,
-    map_csv::number,
-    output,
-    vtu::{Cells, Numbers},
-};
+use crate::{failure::Failure, map_csv::number, output};
 use actuator::units::{DEG, MM};
 use control::{Face, Sideways, Surface};
+use fe::vtk::{Array, QUADRANGLE, UnstructuredGrid, Values};
 use std::path::Path;
 
 /// Area (m^2) of the boundary by how many pressures are not at a bound there: at most two where it is the image of a face of the box
@@ -41,9 +37,9 @@ pub fn write(surface: &Surface, sideways: &Sideways, frees: usize, out: &Path) -
         text += &(cells.join(",") + "\n");
     }
     output::save(&out.join("boundary.csv"), text.as_bytes())?;
-    let each = |value: &dyn Fn(Face) -> f64| surface.facets.iter().map(|facet| value(facet.face)).collect();
-    let mut of_cells =
-        vec![Numbers { name: "free_pressures", values: each(&|face| face.dimension(frees) as f64) }];
+    let faces = || surface.facets.iter().map(|facet| facet.face);
+    let free_pressures = faces().map(|face| face.dimension(frees) as u8).collect();
+    let mut cell_data = vec![Array::new("free_pressures", 1, Values::U8(free_pressures))];
     // At the least 0, at the greatest 1, between them 0.5.
     let share = |face: Face, free| match (face.is_least(free), face.is_greatest(free)) {
         (true, false) => 0.0,
@@ -51,15 +47,20 @@ pub fn write(surface: &Surface, sideways: &Sideways, frees: usize, out: &Path) -
         _ => 0.5,
     };
     for (free, name) in names.iter().enumerate() {
-        of_cells.push(Numbers { name, values: each(&|face| share(face, free)) });
+        let shares = faces().map(|face| share(face, free)).collect();
+        cell_data.push(Array::new(name, 1, Values::F64(shares)));
     }
-    let grid = Cells {
+    let corners = surface.facets.iter().flat_map(|facet| facet.corners);
+    let grid = UnstructuredGrid {
         points: surface.points.iter().map(|point| point.map(|metres| metres / MM)).collect(),
-        cells: surface.facets.iter().map(|facet| facet.corners.to_vec()).collect(),
-        at_points: vec![],
-        of_cells,
+        cell_type: QUADRANGLE,
+        nodes_per_cell: 4,
+        connectivity: corners.map(|corner| corner as i64).collect(),
+        point_data: vec![],
+        cell_data,
+        field_data: vec![],
     };
-    output::save(&out.join("boundary.vtu"), grid.text().as_bytes())?;
+    output::replace(&out.join("boundary.vtu"), &mut |out| grid.write(out))?;
     let mut text = "direction_deg,reach_mm,z_mm\n".to_owned();
     for (direction, reach) in sideways.reaches() {
         let cells = reach.map_or([String::new(), String::new()], |(r, z)| [number(r / MM), number(z / MM)]);

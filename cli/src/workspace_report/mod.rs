@@ -5,11 +5,11 @@ mod pictures;
 mod points;
 
 pub use boundary::areas;
-pub use pictures::{Track, pictures};
+pub use pictures::{Track, pictures, tracks};
 pub use points::{Point, points, write_points};
 
 use crate::{
-    case::cases,
+    exit::Exit,
     failure::Failure,
     goal::Steered,
     map_csv::number,
@@ -17,7 +17,7 @@ use crate::{
     table::{Table, short},
 };
 use actuator::units::{DEG, KPA, MM};
-use control::{Bounds, ReachSettings, ReachableSet, Surface, scattered_pressures};
+use control::{Bounds, ReachError, ReachSettings, ReachableSet, Surface, scattered_pressures};
 use points::CUBIC;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -25,14 +25,21 @@ use std::path::Path;
 /// mm^2 in m^2.
 const SQUARE: f64 = MM * MM;
 /// mm^3 in m^3.
-const CUBE: f64 = SQUARE * MM;
+pub const CUBE: f64 = SQUARE * MM;
 /// States at scattered pressures with which a set is checked.
 const CHECKS: usize = 5000;
-/// Steps of a case's curve.
-const TRACK_STEPS: usize = 60;
 
 /// Least and greatest x, y, z, m.
 type Extent = [(f64, f64); 3];
+
+/// An error of the reachable set on its way to the user.
+pub fn failure(error: ReachError) -> Failure {
+    match error {
+        ReachError::Stopped => Failure::interrupted(),
+        ReachError::Setting { .. } => Failure::usage(format!("{error}")),
+        other => Failure::new(Exit::Refused, other),
+    }
+}
 
 /// What is told of a reachable set.
 pub struct Report {
@@ -70,15 +77,7 @@ impl Report {
         let tip = module.tip();
         let scattered = control::positions(&tip, &scattered_pressures(bounds, CHECKS)).map_err(outside)?;
         let surface = set.surface();
-        let mut tracks = vec![];
-        for case in cases(module.module()) {
-            let part = |step: usize| step as f64 / TRACK_STEPS as f64;
-            let pressures: Vec<Vec<f64>> = (0..=TRACK_STEPS)
-                .map(|step| case.pressures(&bounds.lower, &bounds.upper, part(step)))
-                .collect();
-            let positions = control::positions(&tip, &pressures).map_err(outside)?;
-            tracks.push(Track { case, positions: (0..=TRACK_STEPS).map(part).zip(positions).collect() });
-        }
+        let tracks = tracks(module.module(), &tip, bounds).map_err(outside)?;
         Ok(Report {
             name: module.name().to_owned(),
             bounds: bounds.clone(),

@@ -1,9 +1,16 @@
 use crate::{
-    case::Case,
+    case::{Case, cases},
     plot::{Chart, Mark, Picture, Series},
 };
-use actuator::units::{DEG, MM};
-use control::{ReachableSet, Segments, Sideways};
+use actuator::{
+    Module,
+    units::{DEG, MM},
+};
+use control::{Bounds, ReachableSet, Segments, Sideways, positions};
+use rom::{OutOfDomain, PoseModel};
+
+/// Steps of a case's curve.
+const TRACK_STEPS: usize = 60;
 
 /// Colours of outline and cut; those before them are the cases'.
 const GREY: usize = 6;
@@ -15,6 +22,21 @@ pub struct Track {
     pub case: Case,
     /// Part of the way and position.
     pub positions: Vec<(f64, [f64; 3])>,
+}
+
+/// The paper's cases of a module, each in even steps from the least to the greatest pressures.
+///
+/// # Errors
+/// [`OutOfDomain`] where the model has no answer.
+pub fn tracks(module: &Module, model: &impl PoseModel, bounds: &Bounds) -> Result<Vec<Track>, OutOfDomain> {
+    let part = |step: usize| step as f64 / TRACK_STEPS as f64;
+    let track = |case: Case| {
+        let pressures: Vec<Vec<f64>> =
+            (0..=TRACK_STEPS).map(|step| case.pressures(&bounds.lower, &bounds.upper, part(step))).collect();
+        let positions = positions(model, &pressures)?;
+        Ok(Track { case, positions: (0..=TRACK_STEPS).map(part).zip(positions).collect() })
+    };
+    cases(module).into_iter().map(track).collect()
 }
 
 /// A view along an axis: its name, the axes across and up, and whether the outline's coordinates are these the other way round.

@@ -4,13 +4,13 @@ use crate::{
     goal::Steered,
     map_csv::{self, number},
     output,
-    vtu::{Cells, Numbers},
 };
 use actuator::{
-    TipPose,
+    TipPose, grid_places,
     units::{KPA, MM},
 };
 use control::{Bounds, Dexterity};
+use fe::vtk::{Array, UnstructuredGrid, VERTEX, Values};
 use rom::{PoseEvaluation, PoseModel};
 use std::path::Path;
 
@@ -48,18 +48,9 @@ pub fn points(module: &Steered<'_>, bounds: &Bounds, per_axis: usize) -> Result<
     let mut into = PoseEvaluation::new(frees, 0);
     let mut found = Vec::with_capacity(all);
     for node in 0..all {
-        let mut rest = node;
-        let mut pressures = bounds.lower.clone();
-        for free in (0..frees).rev() {
-            let (index, last) = (rest % counts[free], counts[free] - 1);
-            rest /= counts[free];
-            let (low, high) = (bounds.lower[free], bounds.upper[free]);
-            pressures[free] = match index {
-                0 => low,
-                index if index == last => high,
-                index => low + (high - low) * index as f64 / last as f64,
-            };
-        }
+        let places = grid_places(counts.iter().copied(), node).into_iter().enumerate();
+        let pressures: Vec<f64> =
+            places.map(|(free, place)| bounds.step(free, place, counts[free] - 1)).collect();
         tip.evaluate(&pressures, &mut into).map_err(|error| Failure::refused(error.to_string()))?;
         let near_buckling = module.is_near_buckling(&pressures);
         found.push(Point {
@@ -93,26 +84,24 @@ pub fn write_points(points: &[Point], out: &Path) -> Result<(), Failure> {
         text += &(cells.join(",") + "\n");
     }
     output::save(&out.join("points.csv"), text.as_bytes())?;
-    let each = |value: &dyn Fn(&Point) -> f64| points.iter().map(value).collect::<Vec<_>>();
-    let mut at_points: Vec<Numbers<'_>> = names
-        .iter()
-        .enumerate()
-        .map(|(free, name)| Numbers { name, values: each(&|point| point.pressures[free] / KPA) })
-        .collect();
-    at_points.push(Numbers {
-        name: "manipulability_mm3_per_kpa3",
-        values: each(&|point| point.dexterity.manipulability / CUBIC),
-    });
-    at_points.push(Numbers { name: "condition_number", values: each(&|point| point.dexterity.condition) });
-    at_points.push(Numbers {
-        name: "near_buckling",
-        values: each(&|point| f64::from(u8::from(point.near_buckling))),
-    });
-    let grid = Cells {
-        points: points.iter().map(|point| point.pose.position.map(|metres| metres / MM).into()).collect(),
-        cells: (0..points.len()).map(|point| vec![point]).collect(),
-        at_points,
-        of_cells: vec![],
+    let each = |name: &str, value: &dyn Fn(&Point) -> f64| {
+        Array::new(name, 1, Values::F64(points.iter().map(value).collect()))
     };
-    output::save(&out.join("points.vtu"), grid.text().as_bytes())
+    let pressures = names.iter().enumerate();
+    let mut point_data: Vec<Array> =
+        pressures.map(|(free, name)| each(name, &|point| point.pressures[free] / KPA)).collect();
+    point_data.push(each("manipulability_mm3_per_kpa3", &|point| point.dexterity.manipulability / CUBIC));
+    point_data.push(each("condition_number", &|point| point.dexterity.condition));
+    let near_buckling = points.iter().map(|point| u8::from(point.near_buckling)).collect();
+    point_data.push(Array::new("near_buckling", 1, Values::U8(near_buckling)));
+    let grid = UnstructuredGrid {
+        points: points.iter().map(|point| point.pose.position.map(|metres| metres / MM).into()).collect(),
+        cell_type: VERTEX,
+        nodes_per_cell: 1,
+        connectivity: (0..points.len() as i64).collect(),
+        point_data,
+        cell_data: vec![],
+        field_data: vec![],
+    };
+    output::replace(&out.join("points.vtu"), &mut |out| grid.write(out))
 }

@@ -2,6 +2,7 @@
 
 use super::ReachError;
 use crate::Bounds;
+use actuator::grid_places;
 use rom::{PoseEvaluation, PoseModel};
 
 /// Most pressures of a face that is cut into simplices: with more of them its simplices are too many.
@@ -89,17 +90,11 @@ impl Patch {
     }
 
     fn pressures(&self, node: usize, bounds: &Bounds) -> Vec<f64> {
-        let (mut rest, mut pressures) = (node, self.corner.clone());
-        for axis in self.axes.iter().rev() {
-            let index = rest % (self.steps + 1);
-            rest /= self.steps + 1;
-            let (lower, upper) = (bounds.lower[*axis], bounds.upper[*axis]);
-            // The ends are met exactly: they decide what lies on a face.
-            pressures[*axis] = match index {
-                0 => lower,
-                last if last == self.steps => upper,
-                index => lower + (upper - lower) * index as f64 / self.steps as f64,
-            };
+        let mut pressures = self.corner.clone();
+        let places = grid_places(self.axes.iter().map(|_| self.steps + 1), node);
+        for (free, place) in self.axes.iter().zip(places) {
+            // Its ends are met exactly: they decide what lies on a face.
+            pressures[*free] = bounds.step(*free, place, self.steps);
         }
         pressures
     }

@@ -26,7 +26,6 @@ mod strain_picture;
 #[cfg(test)]
 mod tests;
 mod tip_compliance;
-mod vtk_xml;
 mod vtu;
 mod wall;
 
@@ -45,5 +44,4 @@ pub use stability::{SolidMode, Stability};
 pub use state::{SolidLoad, SolidState};
 pub use strain_picture::StrainFacet;
 pub use tip_compliance::TipCompliance;
-pub use vtk_xml::write_pvd;
 pub use wall::{StrainAt, Strains};

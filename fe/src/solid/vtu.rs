@@ -1,13 +1,7 @@
 //! A state as files that ParaView, pyvista and meshio open: the rubber as 27-node hexahedra, the fibres as lines.
 
-use super::{
-    body::Body,
-    fibre::FibreState,
-    newton::SolidSolver,
-    state::SolidState,
-    vtk_xml::{Array, LINE, TRIQUADRATIC_HEXAHEDRON, UnstructuredGrid, Values},
-    wall,
-};
+use super::{body::Body, fibre::FibreState, newton::SolidSolver, state::SolidState, wall};
+use crate::vtk::{Array, LINE, TRIQUADRATIC_HEXAHEDRON, UnstructuredGrid, Values};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::{
     collections::BTreeMap,

@@ -4,10 +4,10 @@ use crate::solid::{
     mesh::SolidMesh,
     newton::SolidSolver,
     state::SolidState,
-    vtk_xml::{UnstructuredGrid, Values},
     vtu::{VTK_ORDER, fibres, rubber},
     wall,
 };
+use crate::vtk::{UnstructuredGrid, Values};
 use actuator::{Elastomer, Fibre, FibreLaw, Free, Handedness, Tube, Winding};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 

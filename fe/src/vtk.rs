@@ -2,28 +2,41 @@
 
 use std::io::{self, Write};
 
-/// Type numbers of cells that VTK gives: a line of two points, a hexahedron of 27.
-pub(super) const LINE: u8 = 3;
-pub(super) const TRIQUADRATIC_HEXAHEDRON: u8 = 29;
+/// VTK's type number of a single point.
+pub const VERTEX: u8 = 1;
+/// VTK's type number of a line of two points.
+pub const LINE: u8 = 3;
+/// VTK's type number of a quadrangle.
+pub const QUADRANGLE: u8 = 9;
+/// VTK's type number of a hexahedron of 27 points.
+pub const TRIQUADRATIC_HEXAHEDRON: u8 = 29;
 
 /// Values of an array, in the precision in which they are written.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Values {
+pub enum Values {
+    /// Numbers of eight bytes; NaN and infinity are read as such.
     F64(Vec<f64>),
+    /// Numbers of four bytes.
     F32(Vec<f32>),
+    /// Integers.
     I64(Vec<i64>),
+    /// Small integers that are not negative.
     U8(Vec<u8>),
 }
 
 /// A named array, `components` values for each point or cell.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Array {
+pub struct Array {
+    /// Its name, with the unit.
     pub name: String,
+    /// Values a point or cell.
     pub components: usize,
+    /// All of them, those of a point or cell beside each other.
     pub values: Values,
 }
 
 impl Array {
+    /// Of a name, values a point or cell, and all values.
     pub fn new(name: &str, components: usize, values: Values) -> Self {
         Array { name: name.to_owned(), components, values }
     }
@@ -31,13 +44,18 @@ impl Array {
 
 /// Points and cells of one type with what is known at them.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct UnstructuredGrid {
+pub struct UnstructuredGrid {
+    /// Points, in the unit in which they shall be shown.
     pub points: Vec<[f64; 3]>,
+    /// VTK's number of the cells' type, as [`QUADRANGLE`].
     pub cell_type: u8,
+    /// Points of a cell.
     pub nodes_per_cell: usize,
     /// Points of the cells, one cell after another, in VTK's order.
     pub connectivity: Vec<i64>,
+    /// At the points.
     pub point_data: Vec<Array>,
+    /// Of the cells.
     pub cell_data: Vec<Array>,
     /// Of the file as a whole.
     pub field_data: Vec<Array>,
@@ -93,6 +111,9 @@ fn write_arrays(out: &mut dyn Write, element: &str, arrays: &[Array]) -> io::Res
 
 impl UnstructuredGrid {
     /// Writes the grid as a `.vtu` file.
+    ///
+    /// # Errors
+    /// What `out` answers.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         let cells = self.connectivity.len() / self.nodes_per_cell;
         writeln!(out, "<?xml version=\"1.0\"?>")?;
@@ -132,7 +153,7 @@ impl UnstructuredGrid {
 /// ```
 /// let frames = [(0.0, vec!["rest.vtu"]), (60.0, vec!["60.vtu", "60-fibres.vtu"])];
 /// let mut text = vec![];
-/// fe::write_pvd(&frames, &mut text).unwrap();
+/// fe::vtk::write_pvd(&frames, &mut text).unwrap();
 /// assert_eq!(String::from_utf8(text).unwrap().matches("<DataSet").count(), 3);
 /// ```
 pub fn write_pvd<S: AsRef<str>>(frames: &[(f64, Vec<S>)], out: &mut dyn Write) -> io::Result<()> {
