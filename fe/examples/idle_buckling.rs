@@ -8,7 +8,7 @@
 //! in the module's file but for its spacers.
 
 use actuator::{Description, Module, Rig, units::KPA};
-use fe::{Equilibrium, IdlePressure, ModuleSweep, RodLaw, RodModule, RodSettings, Run};
+use fe::{Equilibrium, IdlePressure, ModuleSweep, RodModule, RodSettings, Run};
 use std::{error::Error, path::PathBuf, sync::atomic::AtomicBool, time::Instant};
 
 const MODULES: [&str; 2] = ["data/modules/buffinton-2020-60lr.toml", "data/modules/buffinton-2020-30lr.toml"];
@@ -55,10 +55,8 @@ fn study(module: &Module, greatest: f64) -> Result<(), Box<dyn Error>> {
     let run = Run { jobs: 2, progress: &|_, _| (), stop: &stop };
     let sweep = ModuleSweep::default();
     let axes = vec![vec![0.0, greatest]; module.frees.len()];
-    let sections = sweep.section_laws(module, &axes, &run)?;
-    let bending = sweep.bending_laws(module, &sections, &run)?.ok_or("stopped")?;
-    let laws = sections.into_iter().zip(bending).map(|(section, bending)| RodLaw { section, bending });
-    let rods = RodModule::new(module, laws.collect(), RodSettings::default())?;
+    let laws = sweep.rod_laws(module, &axes, &run)?.ok_or("stopped")?;
+    let rods = RodModule::new(module, laws, RodSettings::default())?;
     let case = |pressure: f64| -> Vec<f64> {
         (0..module.frees.len()).map(|free| if free % 2 == 0 { pressure } else { 0.0 }).collect()
     };

@@ -129,6 +129,25 @@ impl ModuleSweep {
         bending_laws(module, &greatest.collect::<Vec<_>>(), self.bending, run)
     }
 
+    /// Section and bending law of each FREE; `None` where the run was stopped.
+    ///
+    /// # Errors
+    /// As of [`ModuleSweep::section_laws`] and [`ModuleSweep::bending_laws`].
+    pub fn rod_laws(
+        &self,
+        module: &Module,
+        pressures: &[Vec<f64>],
+        run: &Run<'_>,
+    ) -> Result<Option<Vec<RodLaw>>, ModuleSweepError> {
+        let sections = match self.section_laws(module, pressures, run) {
+            Err(ModuleSweepError::Table { source: TableError::Stopped, .. }) => return Ok(None),
+            sections => sections?,
+        };
+        let Some(bending) = self.bending_laws(module, &sections, run)? else { return Ok(None) };
+        let laws = sections.into_iter().zip(bending).map(|(section, bending)| RodLaw { section, bending });
+        Ok(Some(laws.collect()))
+    }
+
     /// The module as rods with these laws; `None` where the run was stopped.
     pub(crate) fn rod_module(
         &self,
@@ -136,12 +155,7 @@ impl ModuleSweep {
         pressures: &[Vec<f64>],
         run: &Run<'_>,
     ) -> Result<Option<RodModule>, ModuleSweepError> {
-        let sections = match self.section_laws(module, pressures, run) {
-            Err(ModuleSweepError::Table { source: TableError::Stopped, .. }) => return Ok(None),
-            sections => sections?,
-        };
-        let Some(bending) = self.bending_laws(module, &sections, run)? else { return Ok(None) };
-        let laws = sections.into_iter().zip(bending).map(|(section, bending)| RodLaw { section, bending });
-        Ok(Some(RodModule::new(module, laws.collect(), self.rods)?))
+        let Some(laws) = self.rod_laws(module, pressures, run)? else { return Ok(None) };
+        Ok(Some(RodModule::new(module, laws, self.rods)?))
     }
 }

@@ -6,7 +6,7 @@ use actuator::{
     Base, Free, Handedness, Module, PlacedFree, Tip, Winding,
     units::{DEG, GRAM, KPA, MM},
 };
-use fe::{Equilibrium, ModuleSweep, ModuleSweepError, RodLaw, RodModule, RodSettings, Run, TableError};
+use fe::{Equilibrium, ModuleSweep, RodLaw, RodModule, RodSettings, Run};
 use std::sync::{Mutex, PoisonError};
 
 /// Greatest pressure of the paper's cases, 7.25 psi, kPa.
@@ -69,14 +69,6 @@ impl Kind {
 #[derive(Default)]
 pub struct Laws(Mutex<Vec<(f64, RodLaw)>>);
 
-/// An error of a module's rods on its way to the user.
-fn failure(error: ModuleSweepError) -> Failure {
-    match error {
-        ModuleSweepError::Table { source: TableError::Stopped, .. } => Failure::interrupted(),
-        other => Failure::new(Exit::NotConverged, other),
-    }
-}
-
 /// How modules are swept here: coarse ones bend as bare tubes.
 pub fn sweep(bench: &Bench) -> ModuleSweep {
     let sweep = ModuleSweep::default();
@@ -101,11 +93,9 @@ impl Bench {
         let mut module = kind.module(SPACING_MM, 0);
         module.frees.truncate(1);
         let (sweep, axes) = (sweep(self), vec![vec![0.0, GREATEST_KPA * KPA]]);
-        let sections = sweep.section_laws(&module, &axes, &run).map_err(failure)?;
-        let bending = sweep.bending_laws(&module, &sections, &run).map_err(failure)?;
-        let law = sections.into_iter().zip(bending.ok_or_else(Failure::interrupted)?).next();
-        let (section, bending) = law.ok_or_else(Failure::interrupted)?;
-        let law = RodLaw { section, bending };
+        let laws =
+            sweep.rod_laws(&module, &axes, &run).map_err(|error| Failure::new(Exit::NotConverged, error))?;
+        let law = laws.and_then(|laws| laws.into_iter().next()).ok_or_else(Failure::interrupted)?;
         known.push((angle_deg, law.clone()));
         Ok(law)
     }
