@@ -114,7 +114,7 @@ mod tests {
         assert_eq!((found.len(), lost), (1, 1));
         let only = &found[0];
         assert_eq!((only.command_kpa, only.monitor_kpa), ([10.0, 0.0, 0.0], [13.0, 4.0, 4.0]));
-        assert!((only.z_mm + 0.995).abs() < 0.006 && only.rz_rad == 0.5 && only.samples == 18, "{only:?}");
+        assert!((only.z_mm + 0.995).abs() < 1e-12 && only.rz_rad == 0.5 && only.samples == 18, "{only:?}");
         assert!(only.spread[0] < 0.006 && only.spread[1] == 0.0);
     }
 }
