@@ -307,3 +307,24 @@ fn solids_fill_a_map_as_rods_do() {
     let refused = sweep.empty_map(module, limits, axes(), Default::default()).unwrap_err().to_string();
     assert!(refused.contains("set spacers = 0"), "{refused}");
 }
+
+#[test]
+fn a_payload_too_heavy_for_one_step_is_put_on_in_several() {
+    let stop = AtomicBool::new(false);
+    let run = Run { jobs: 1, progress: &|_, _| (), stop: &stop };
+    let axes = vec![vec![0.0, 3e4]; 2];
+    let laws = sweep().rod_laws(&pair(), &axes, &run).unwrap().unwrap();
+    let mut module = pair();
+    for placed in &mut module.frees {
+        placed.free.tube.length = 0.25;
+    }
+    let settings = RodSettings { elements: 20, bending_stiffness_scale: 0.05, tip_load: TipLoad::default() };
+    let mut rods = RodModule::new(&module, laws, settings).unwrap();
+    let (found, payload) = (rods.solve(&[2.5e4, 0.0]).unwrap(), 0.05);
+    let carrying = rods.carrying(payload).unwrap();
+    assert!(carrying.solve_from(&found, &found.pressures).is_err(), "it is carried in one step");
+    let from_rest = carrying.solve(&found.pressures).unwrap().state.chart.to_array();
+    for (a, b) in rods.loaded(&found, payload).unwrap().to_array().into_iter().zip(from_rest) {
+        assert!((a - b).abs() < 1e-6, "{a} {b}");
+    }
+}
