@@ -1,9 +1,6 @@
 use crate::{Equilibrium, RodError, RodModule, SolidEquilibrium, SolidModule, SolidModuleError};
 use actuator::{MapParameter, ModuleState, PAYLOAD_STEP, PoseChart, payload_curvature};
 
-/// Shortest step of a payload, as a part of it, before it is given up.
-const LEAST_PAYLOAD_STEP: f64 = 1.0 / 64.0;
-
 /// Why a module has no state to show.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum ModuleError {
@@ -84,17 +81,7 @@ impl ModuleSolver for RodModule {
     }
 
     fn loaded(&mut self, start: &Equilibrium, payload: f64) -> Result<PoseChart, ModuleError> {
-        // A soft module moves far under it: in as many steps as it takes.
-        let (mut last, mut done, mut step) = (start.clone(), 0.0, payload);
-        loop {
-            let goal = if done + step > (1.0 - 1e-9) * payload { payload } else { done + step };
-            match self.carrying(goal)?.solve_from(&last, &start.pressures) {
-                Ok(found) if goal == payload => return Ok(found.state.chart),
-                Ok(found) => (last, done) = (found, goal),
-                Err(error) if step < LEAST_PAYLOAD_STEP * payload => return Err(error.into()),
-                Err(_) => step *= 0.5,
-            }
-        }
+        Ok(RodModule::loaded(self, start, payload)?)
     }
 }
 

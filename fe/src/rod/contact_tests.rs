@@ -34,7 +34,7 @@ fn the_radius_is_the_sections_expansion() {
     let free = free(40.0, Handedness::Right);
     let rods = analytic(&module(vec![at(free, 0.0, 0.0)]), RodSettings::default());
     let found = rods.solve(&[4e4]).unwrap();
-    let loads = Loads { pressures: vec![4e4], part: 1.0 };
+    let loads = Loads::at(&[4e4]);
     let expansion = ThickTube::new(&free).free_state(4e4).unwrap().expansion;
     assert!(expansion > 1.1);
     for radius in &rods.tubes(&found.configuration, &loads)[0].radii {

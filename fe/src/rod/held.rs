@@ -32,7 +32,7 @@ impl RodModule {
         let mut module = self.module.clone();
         module.tip.free_dof = [false; 6];
         let rods = RodModule::new(&module, self.laws.clone(), self.settings)?;
-        let loads = Loads { pressures: vec![0.0; self.laws.len()], part: 1.0 };
+        let loads = Loads::at(&vec![0.0; self.laws.len()]);
         let mut shape = rods.rest()?.configuration;
         let (from, to) = (shape.plate.0, Plate::at_chart(pose).0);
         let way = to - from;

@@ -103,7 +103,7 @@ impl RodModule {
     /// The motion that an equilibrium withstands least: of the least eigenvalue of its tangent. `None` where the tangent has no factors.
     pub fn softest_mode(&self, at: &Equilibrium) -> Option<BucklingMode> {
         let shape = &at.configuration;
-        let loads = Loads { pressures: at.pressures.clone(), part: 1.0 };
+        let loads = Loads::at(&at.pressures);
         let chains = self.chains(1.0);
         let mut system = self.assemble(&chains, shape, &loads, false)?;
         for chain in &mut system.chains {

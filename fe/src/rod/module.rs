@@ -65,16 +65,6 @@ impl RodModule {
         Ok(RodModule { module: module.clone(), laws, settings, tip, reference })
     }
 
-    /// The same with a further mass (kg) on its plate.
-    ///
-    /// # Errors
-    /// [`RodError`] as [`RodModule::new`].
-    pub fn carrying(&self, payload: f64) -> Result<Self, RodError> {
-        let mut module = self.module.clone();
-        module.tip.payload += payload;
-        RodModule::new(&module, self.laws(), self.settings)
-    }
-
     /// The laws of each FREE.
     pub fn laws(&self) -> Vec<RodLaw> {
         self.laws.clone()

@@ -5,6 +5,7 @@ use super::{
     system::Factored,
 };
 use crate::tip_plate::Plate;
+use actuator::PoseChart;
 use nalgebra::{Vector3, Vector6};
 
 /// Relative residual of a converged state; rounding leaves about 1e-12.
@@ -20,11 +21,22 @@ const SHORTEST_STEP: f64 = 1e-4;
 /// Greatest change of an element's rotation (rad) and stretch in one Newton step.
 const STEP_LIMITS: (f64, f64) = (0.4, 0.3);
 
-/// Pressures and the part that acts of weights, tip load, and differences of the FREEs' lengths.
+/// What acts on a module.
 #[derive(Clone)]
 pub(super) struct Loads {
+    /// Gauge pressures, Pa.
     pub pressures: Vec<f64>,
+    /// Part that acts of weights, tip load, and differences of the FREEs' lengths.
     pub part: f64,
+    /// Mass on the plate beyond the module's own, kg.
+    pub payload: f64,
+}
+
+impl Loads {
+    /// Pressures (Pa) under all that the module has to carry.
+    pub fn at(pressures: &[f64]) -> Self {
+        Loads { pressures: pressures.to_vec(), part: 1.0, payload: 0.0 }
+    }
 }
 
 impl RodModule {
@@ -37,9 +49,8 @@ impl RodModule {
 
     /// Equilibrium without pressure under the weights, the tip load, and the prestress of FREEs of different lengths.
     pub fn rest(&self) -> Result<Equilibrium, RodError> {
-        let zero = vec![0.0; self.laws.len()];
-        let from = Loads { pressures: zero.clone(), part: 0.0 };
-        self.follow(&self.straight(), &from, &Loads { pressures: zero, part: 1.0 })
+        let to = Loads::at(&vec![0.0; self.laws.len()]);
+        self.follow(&self.straight(), &Loads { part: 0.0, ..to.clone() }, &to)
     }
 
     /// Equilibrium at the pressures (Pa), followed from another one in a straight line of pressures.
@@ -48,8 +59,17 @@ impl RodModule {
         if finite != self.laws.len() || pressures.len() != finite {
             return Err(RodError::Count { what: "finite pressures", given: finite, needed: self.laws.len() });
         }
-        let from = Loads { pressures: start.pressures.clone(), part: 1.0 };
-        self.follow(&start.configuration, &from, &Loads { pressures: pressures.to_vec(), part: 1.0 })
+        self.follow(&start.configuration, &Loads::at(&start.pressures), &Loads::at(pressures))
+    }
+
+    /// Tip pose with a further mass (kg) on the plate of an equilibrium.
+    ///
+    /// # Errors
+    /// [`RodError`] where it cannot carry it.
+    pub fn loaded(&self, start: &Equilibrium, payload: f64) -> Result<PoseChart, RodError> {
+        let from = Loads::at(&start.pressures);
+        let to = Loads { payload, ..from.clone() };
+        Ok(self.follow(&start.configuration, &from, &to)?.state.chart)
     }
 
     fn follow(&self, start: &Configuration, from: &Loads, to: &Loads) -> Result<Equilibrium, RodError> {
@@ -61,6 +81,7 @@ impl RodModule {
                 .map(|(a, b)| if t < 1.0 { a + t * (b - a) } else { *b })
                 .collect(),
             part: from.part + t * (to.part - from.part),
+            payload: from.payload + t * (to.payload - from.payload),
         };
         let longest =
             from.pressures.iter().zip(&to.pressures).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);

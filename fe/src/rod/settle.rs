@@ -28,7 +28,7 @@ impl RodModule {
         along: &BucklingMode,
         offset: f64,
     ) -> Result<Equilibrium, RodError> {
-        let loads = Loads { pressures: from.pressures.clone(), part: 1.0 };
+        let loads = Loads::at(&from.pressures);
         let chains = self.chains(1.0);
         let mut shape = self.displaced(&from.configuration, along, offset);
         let failed = |residual: f64, shape| RodError::NoEquilibrium {

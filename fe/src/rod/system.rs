@@ -41,7 +41,7 @@ impl RodModule {
         for (chain, inner) in chains.iter().zip(&shape.inner) {
             assemblies.push(chain.assemble(inner, &frame, &loads.pressures, sensitivities)?);
         }
-        let load_gradient = -self.tip.load * loads.part;
+        let load_gradient = -self.tip.acting(loads.part, loads.payload);
         let energy = assemblies.iter().map(|chain| chain.energy).sum::<f64>()
             + load_gradient.dot(&(shape.plate.0 - self.straight_plate()));
         let mut system = System { energy, chains: assemblies, load_gradient, residual: 0.0 };

@@ -56,7 +56,7 @@ impl SolidModule {
 
     /// Generalised forces on the plate's coordinates.
     pub(super) fn plate_load(&self, loads: &Loads) -> Vector6<f64> {
-        (self.tip.load + self.tip.load_per_payload * loads.payload) * loads.part
+        self.tip.acting(loads.part, loads.payload)
     }
 
     pub(super) fn assemble(

@@ -33,6 +33,11 @@ impl GuidedPlate {
         GuidedPlate { load, load_per_payload, free: module.tip.free_dof }
     }
 
+    /// Generalised forces on the coordinates when a part of all acts, and a further payload (kg) is on the plate.
+    pub fn acting(&self, part: f64, payload: f64) -> Vector6<f64> {
+        (self.load + self.load_per_payload * payload) * part
+    }
+
     /// Zero in the coordinates that are held.
     pub fn free_part(&self, mut vector: Vector6<f64>) -> Vector6<f64> {
         for (value, free) in vector.iter_mut().zip(self.free) {

@@ -31,7 +31,7 @@ fn it_is_what_the_gradient_changes_by() {
         let rods = analytic(module, settings);
         let found = rods.solve(&pressures).unwrap();
         let shape = &found.configuration;
-        let loads = Loads { pressures: pressures.to_vec(), part: 1.0 };
+        let loads = Loads::at(&pressures);
         let chains = rods.chains(1.0);
         let system = |shape: &Configuration| rods.assemble(&chains, shape, &loads, false).unwrap();
         let mut seed = 0.0;
