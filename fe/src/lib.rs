@@ -18,6 +18,7 @@ mod module_line;
 mod module_map;
 mod module_solver;
 mod module_sweep_error;
+mod no_equilibrium;
 mod numerics;
 mod pressure_unit;
 mod rigid_motion;
@@ -47,6 +48,7 @@ pub use module_line::ModuleLine;
 pub use module_map::{FailedState, ModuleSweep, ModuleSweepReport};
 pub use module_solver::{ModuleError, ModuleSolver};
 pub use module_sweep_error::ModuleSweepError;
+pub use no_equilibrium::NoEquilibrium;
 pub use numerics::NUMERICS;
 pub use pressure_unit::PressureUnit;
 pub use rod::{

@@ -4,6 +4,7 @@ use super::{
     path::Loads,
 };
 use crate::{
+    NoEquilibrium,
     contact::Closest,
     rigid_motion::Frame,
     tip_plate::{Plate, in_kpa},
@@ -59,12 +60,7 @@ pub struct Equilibrium {
 impl Equilibrium {
     /// The error of one whose tangent has no factors.
     pub(super) fn without_factors(&self) -> RodError {
-        RodError::NoEquilibrium {
-            goal: self.pressures.clone(),
-            reached: self.pressures.clone(),
-            residual: f64::INFINITY,
-            last: Box::new(self.configuration.clone()),
-        }
+        NoEquilibrium::there(&self.pressures, f64::INFINITY, self.configuration.clone()).into()
     }
 }
 
@@ -92,21 +88,8 @@ pub enum RodError {
         needed: usize,
     },
     /// Newton's method did not converge however short the step.
-    #[error(
-        "no equilibrium found on the way to {} kPa: the path from rest ends at {} kPa (residual {residual:.1e}); a limit pressure or a sharp buckling is near",
-        in_kpa(goal),
-        in_kpa(reached)
-    )]
-    NoEquilibrium {
-        /// Pressures asked for, Pa.
-        goal: Vec<f64>,
-        /// Pressures of the last equilibrium on the way, Pa.
-        reached: Vec<f64>,
-        /// Least relative residual of the failed step.
-        residual: f64,
-        /// Shape of the last equilibrium on the way.
-        last: Box<Configuration>,
-    },
+    #[error(transparent)]
+    NoEquilibrium(#[from] NoEquilibrium<Configuration>),
     /// A tip that is bent further than the chart of poses reaches.
     #[error("the module at {} kPa comes to rest with its tip bent by {:.0} deg, beyond the 180 deg that a pose can tell (and where FREEs and plates would meet); stay below these pressures", in_kpa(pressures), bend.to_degrees())]
     BentOver {
@@ -158,12 +141,7 @@ impl RodModule {
                 }
             }
         }
-        let singular = || RodError::NoEquilibrium {
-            goal: loads.pressures.clone(),
-            reached: loads.pressures.clone(),
-            residual: f64::INFINITY,
-            last: Box::new(shape.clone()),
-        };
+        let singular = || NoEquilibrium::there(&loads.pressures, f64::INFINITY, shape.clone());
         let system = self.assemble(&chains, &shape, loads, true).ok_or_else(singular)?;
         let factored = self.factorise(&chains, &shape, &system).ok_or_else(singular)?;
         let slope =

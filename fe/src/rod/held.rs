@@ -3,7 +3,7 @@ use super::{
     module::RodModule,
     path::Loads,
 };
-use crate::{rigid_motion::Frame, tip_plate::Plate};
+use crate::{NoEquilibrium, rigid_motion::Frame, tip_plate::Plate};
 use actuator::PoseChart;
 use nalgebra::UnitQuaternion;
 
@@ -45,9 +45,7 @@ impl RodModule {
             match rods.newton(&carried(&shape, plate), &loads) {
                 Ok(found) => (shape, done) = (found, goal),
                 Err(residual) if step < SHORTEST_STEP => {
-                    let zero = loads.pressures.clone();
-                    let (goal, last) = (zero.clone(), Box::new(shape));
-                    return Err(RodError::NoEquilibrium { goal, reached: zero, residual, last });
+                    return Err(NoEquilibrium::there(&loads.pressures, residual, shape).into());
                 }
                 Err(_) => step *= 0.5,
             }

@@ -4,7 +4,7 @@ use super::{
     module::RodModule,
     system::Factored,
 };
-use crate::tip_plate::Plate;
+use crate::{NoEquilibrium, tip_plate::Plate};
 use actuator::PoseChart;
 use nalgebra::{Vector3, Vector6};
 
@@ -100,12 +100,8 @@ impl RodModule {
                     }
                 }
                 Err(residual) if step < SHORTEST_STEP => {
-                    return Err(RodError::NoEquilibrium {
-                        goal: to.pressures.clone(),
-                        reached: between(done).pressures,
-                        residual,
-                        last: Box::new(shape),
-                    });
+                    let (goal, reached) = (to.pressures.clone(), between(done).pressures);
+                    return Err(NoEquilibrium { goal, reached, residual, last: Box::new(shape) }.into());
                 }
                 Err(_) => step *= 0.5,
             }

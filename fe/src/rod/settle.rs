@@ -5,6 +5,7 @@ use super::{
     path::{Loads, moved, step_length},
     system::System,
 };
+use crate::NoEquilibrium;
 use std::f64::consts::PI;
 
 /// Steps downhill before it is given up.
@@ -31,12 +32,6 @@ impl RodModule {
         let loads = Loads::at(&from.pressures);
         let chains = self.chains(1.0);
         let mut shape = self.displaced(&from.configuration, along, offset);
-        let failed = |residual: f64, shape| RodError::NoEquilibrium {
-            goal: from.pressures.clone(),
-            reached: from.pressures.clone(),
-            residual,
-            last: Box::new(shape),
-        };
         let (force, radius) = self.reference;
         let mut residual = f64::INFINITY;
         let mut spring = self.soft_spring();
@@ -94,7 +89,7 @@ impl RodModule {
                 spring = 5.0 * stiffened.spring.max(self.soft_spring());
             }
         }
-        Err(failed(residual, shape))
+        Err(NoEquilibrium::there(&from.pressures, residual, shape).into())
     }
 }
 

@@ -1,5 +1,5 @@
 use super::equilibrium::SolidShape;
-use crate::{SolidError, tip_plate::in_kpa};
+use crate::{NoEquilibrium, SolidError};
 
 /// Why a module of solids has no equilibrium to show.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -29,19 +29,6 @@ pub enum SolidModuleError {
         needed: usize,
     },
     /// Newton's method did not converge however short the step.
-    #[error(
-        "no equilibrium found on the way to {} kPa: the path from rest ends at {} kPa (residual {residual:.1e}); a limit pressure or a sharp buckling is near",
-        in_kpa(goal),
-        in_kpa(reached)
-    )]
-    NoEquilibrium {
-        /// Pressures asked for, Pa.
-        goal: Vec<f64>,
-        /// Pressures of the last equilibrium on the way, Pa.
-        reached: Vec<f64>,
-        /// Relative residual of the failed step.
-        residual: f64,
-        /// The last equilibrium on the way.
-        last: Box<SolidShape>,
-    },
+    #[error(transparent)]
+    NoEquilibrium(#[from] NoEquilibrium<SolidShape>),
 }

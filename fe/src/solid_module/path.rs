@@ -5,7 +5,7 @@ use super::{
     module::SolidModule,
     newton::Found,
 };
-use crate::{Closest, Lost, tip_plate::Plate};
+use crate::{Closest, Lost, NoEquilibrium, tip_plate::Plate};
 use actuator::{ModuleState, PoseChart, Wrench};
 use nalgebra::{Vector3, Vector6};
 
@@ -232,10 +232,6 @@ fn between(from: &Loads, to: &Loads, part: f64) -> Loads {
 }
 
 fn no_equilibrium(goal: &Loads, last: &SolidShape, Lost(residual): Lost) -> SolidModuleError {
-    SolidModuleError::NoEquilibrium {
-        goal: goal.pressures.clone(),
-        reached: last.pressures.clone(),
-        residual,
-        last: Box::new(last.clone()),
-    }
+    let (goal, reached) = (goal.pressures.clone(), last.pressures.clone());
+    NoEquilibrium { goal, reached, residual, last: Box::new(last.clone()) }.into()
 }
