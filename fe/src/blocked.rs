@@ -1,6 +1,6 @@
 use crate::{
     BendingSweep, Equilibrium, HeldModule, ModuleSweepError, RodError, RodLaw, RodModule, RodSettings, Run,
-    SectionMesh, SectionSolver, ThickTube, module_laws::bending_laws,
+    SectionMesh, SectionSolver, ThickTube, module_laws::bending_laws, pressure_axes::check_axes,
 };
 use actuator::{ConvexPolygon, Free, Module, PlacedFree, PoseChart, Wrench, Zonotope, grid_places};
 use std::sync::Arc;
@@ -88,19 +88,6 @@ fn generator(held: &HeldModule, free: usize, top: f64, count: usize) -> Result<W
 
 fn top(axis: &[f64]) -> f64 {
     axis.last().copied().unwrap_or_default()
-}
-
-fn check_axes(count: usize, pressures: &[Vec<f64>]) -> Result<(), ModuleSweepError> {
-    let problem = |free, problem: &str| ModuleSweepError::Axis { free, problem: problem.to_owned() };
-    for free in 0..count.max(pressures.len()) {
-        let axis = pressures.get(free).filter(|_| free < count);
-        let axis = axis.ok_or_else(|| problem(free, "there must be one list for each FREE"))?;
-        let rising = axis.windows(2).all(|pair| pair[1] > pair[0]) && axis.iter().all(|p| p.is_finite());
-        if axis.len() < 2 || axis[0] != 0.0 || !rising {
-            return Err(problem(free, "must be two or more, rising from zero"));
-        }
-    }
-    Ok(())
 }
 
 impl BlockedSweep {

@@ -20,6 +20,7 @@ mod module_solver;
 mod module_sweep_error;
 mod no_equilibrium;
 mod numerics;
+mod pressure_axes;
 mod pressure_unit;
 mod rigid_motion;
 mod rod;

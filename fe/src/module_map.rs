@@ -3,8 +3,9 @@ use crate::{
     SectionMesh, Shard, SolidModule, SolidModuleSettings, TipLoad,
     free_map::next_fraction,
     module_fill::{Filling, FinishedRow},
+    pressure_axes::check_axes,
 };
-use actuator::{FreePath, Limits, Module, ModuleMap, ModuleState, ModuleSymmetry, units::KPA};
+use actuator::{FreePath, Limits, Module, ModuleMap, ModuleState, ModuleSymmetry};
 
 /// How the map of a module is computed: rods with section laws tabulated from the section's finite elements, or solids.
 ///
@@ -69,22 +70,6 @@ pub struct ModuleSweepReport {
     pub failed: Vec<FailedState>,
 }
 
-fn check_axes(module: &Module, pressures: &[Vec<f64>]) -> Result<(), ModuleSweepError> {
-    for free in 0..module.frees.len().max(pressures.len()) {
-        let error = |problem: &str| Err(ModuleSweepError::Axis { free, problem: problem.to_owned() });
-        let Some(axis) = pressures.get(free) else { return error("are missing; give nodes for every FREE") };
-        if free >= module.frees.len() {
-            return error("there is no such FREE in the module");
-        }
-        let rising = axis.windows(2).all(|pair| pair[1] > pair[0]) && axis.iter().all(|p| p.is_finite());
-        if axis.len() < 2 || axis[0] != 0.0 || !rising {
-            let nodes: Vec<String> = axis.iter().map(|p| (p / KPA).to_string()).collect();
-            return error(&format!("must be two or more, rising from zero, not {}", nodes.join(", ")));
-        }
-    }
-    Ok(())
-}
-
 impl ModuleSweep {
     /// An empty map of a module over pressures (Pa, rising from zero) of each FREE, with the limit pressures of its FREEs.
     /// `source` is name and text of the description.
@@ -98,7 +83,7 @@ impl ModuleSweep {
         pressures: Vec<Vec<f64>>,
         source: (String, String),
     ) -> Result<ModuleMap, ModuleSweepError> {
-        check_axes(&module, &pressures)?;
+        check_axes(module.frees.len(), &pressures)?;
         if let Some(settings) = self.solids {
             SolidModule::new(&module, settings)?;
         }
@@ -191,7 +176,7 @@ impl ModuleSweep {
         run: &Run<'_>,
         finished: &mut FinishedRow<'_>,
     ) -> Result<ModuleSweepReport, ModuleSweepError> {
-        check_axes(&map.module, &map.pressures)?;
+        check_axes(map.module.frees.len(), &map.pressures)?;
         let expected = map.node_count();
         if map.states.len() != expected {
             return Err(ModuleSweepError::Shape { expected, found: map.states.len() });
