@@ -93,10 +93,11 @@ impl Sweeping<'_> {
                 points.as_mut().and_then(|points| points.find(key, !is_there));
             let stored = stored.filter(|states| states.len() == line.pressures.len());
             there += usize::from(is_there || stored.is_some());
-            if let Some(states) = stored {
-                sweep.put(&line, states, map);
+            for (place, state) in stored.into_iter().flatten().enumerate() {
+                line.put(place, state, map);
             }
         }
+        sweep.spread(map);
         Ok(there)
     }
 

@@ -1,5 +1,5 @@
 use crate::{FailedState, ModuleError, ModuleLine, ModuleSolver, ModuleSweepError, ModuleSweepReport, Run};
-use actuator::{ModuleMap, ModuleState, ModuleSymmetry};
+use actuator::{ModuleMap, ModuleState};
 use std::sync::{
     Mutex, PoisonError,
     atomic::{AtomicUsize, Ordering},
@@ -12,7 +12,6 @@ pub(crate) type FinishedRow<'a> = dyn FnMut(&[Vec<f64>], &[ModuleState]) + Send 
 pub(crate) struct Filling<'a, 'b> {
     pub map: &'a mut ModuleMap,
     pub report: &'a mut ModuleSweepReport,
-    pub symmetries: &'a [ModuleSymmetry],
     /// States of this part that are there, and all of them.
     pub done: usize,
     pub all: usize,
@@ -66,7 +65,7 @@ impl Filling<'_, '_> {
                 Ok(state) => {
                     self.report.computed += 1;
                     self.report.buckled += usize::from(state.negative_pivots > 0);
-                    line.put(place, state, self.symmetries, self.map);
+                    line.put(place, state, self.map);
                 }
                 Err(error) => {
                     let pressures = line.pressures[place].clone();

@@ -1,4 +1,4 @@
-use actuator::{ModuleCheck, ModuleMap, ModuleState, ModuleSymmetry};
+use actuator::{ModuleCheck, ModuleMap, ModuleState, ModuleSymmetry, grid_places};
 
 /// A unit of work of a module's map: nodes along the pressure of the last FREE, each followed from the one before, or a check.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,27 +9,21 @@ pub struct ModuleLine {
     nodes: Vec<usize>,
 }
 
-/// Where on each axis a node lies.
-fn places(map: &ModuleMap, mut node: usize) -> Vec<usize> {
-    let mut places: Vec<usize> = vec![0; map.pressures.len()];
-    for (place, axis) in places.iter_mut().zip(&map.pressures).rev() {
-        *place = node % axis.len();
-        node /= axis.len();
-    }
-    places
-}
-
 /// The node to which a motion carries one.
 fn image(map: &ModuleMap, motion: &ModuleSymmetry, node: usize) -> usize {
-    let moved = motion.carry(&places(map, node)).into_iter().zip(&map.pressures);
+    let places = grid_places(map.pressures.iter().map(Vec::len), node);
+    let moved = motion.carry(&places).into_iter().zip(&map.pressures);
     moved.fold(0, |node, (place, axis)| node * axis.len() + place)
 }
 
-fn spread_from(node: usize, symmetries: &[ModuleSymmetry], map: &mut ModuleMap) {
-    for motion in symmetries {
-        let image = image(map, motion, node);
-        if map.states[image].is_none() {
-            map.states[image] = map.states[node].as_ref().map(|state| motion.state(state));
+/// Puts the images of all states into the map where these are missing.
+pub(crate) fn spread(symmetries: &[ModuleSymmetry], map: &mut ModuleMap) {
+    for node in 0..map.node_count() {
+        for motion in symmetries {
+            let image = image(map, motion, node);
+            if map.states[image].is_none() {
+                map.states[image] = map.states[node].as_ref().map(|state| motion.state(state));
+            }
         }
     }
 }
@@ -57,24 +51,11 @@ impl ModuleLine {
         self.nodes.iter().any(|node| map.states[*node].is_none())
     }
 
-    /// Puts the state of a place on the line into the map, and its images where these are missing.
-    pub(crate) fn put(
-        &self,
-        place: usize,
-        state: ModuleState,
-        symmetries: &[ModuleSymmetry],
-        map: &mut ModuleMap,
-    ) {
-        let Some(node) = self.nodes.get(place) else {
-            map.checks.push(ModuleCheck { pressures: self.pressures[place].clone(), state });
-            return;
-        };
-        map.states[*node] = Some(state);
-        spread_from(*node, symmetries, map);
-    }
-
-    /// Puts the images of all states into the map where these are missing.
-    pub(crate) fn spread(symmetries: &[ModuleSymmetry], map: &mut ModuleMap) {
-        (0..map.node_count()).for_each(|node| spread_from(node, symmetries, map));
+    /// Puts the state of a place on the line into the map; its images are not there before [`ModuleSweep::spread`](crate::ModuleSweep::spread).
+    pub fn put(&self, place: usize, state: ModuleState, map: &mut ModuleMap) {
+        match self.nodes.get(place) {
+            Some(node) => map.states[*node] = Some(state),
+            None => map.checks.push(ModuleCheck { pressures: self.pressures[place].clone(), state }),
+        }
     }
 }

@@ -3,9 +3,10 @@ use crate::{
     SectionMesh, Shard, SolidModule, SolidModuleSettings, TipLoad,
     free_map::next_fraction,
     module_fill::{Filling, FinishedRow},
+    module_line::spread,
     pressure_axes::check_axes,
 };
-use actuator::{FreePath, Limits, Module, ModuleMap, ModuleState, ModuleSymmetry};
+use actuator::{FreePath, Limits, Module, ModuleMap, ModuleSymmetry};
 
 /// How the map of a module is computed: rods with section laws tabulated from the section's finite elements, or solids.
 ///
@@ -145,12 +146,9 @@ impl ModuleSweep {
         lines.filter(|(index, _)| shard.owns(*index)).map(|(_, line)| line).collect()
     }
 
-    /// Puts the states of a line into a map, with what symmetry makes of them.
-    pub fn put(&self, line: &ModuleLine, states: Vec<ModuleState>, map: &mut ModuleMap) {
-        let symmetries = self.symmetries(&map.module, &map.pressures);
-        for (place, state) in states.into_iter().enumerate().take(line.pressures.len()) {
-            line.put(place, state, &symmetries, map);
-        }
+    /// Puts what symmetry makes of the states of a map into its nodes that are empty.
+    pub fn spread(&self, map: &mut ModuleMap) {
+        spread(&self.symmetries(&map.module, &map.pressures), map);
     }
 
     /// Pressures (Pa) of the checks: evenly distributed over the box of the map.
@@ -181,8 +179,7 @@ impl ModuleSweep {
         if map.states.len() != expected {
             return Err(ModuleSweepError::Shape { expected, found: map.states.len() });
         }
-        let symmetries = self.symmetries(&map.module, &map.pressures);
-        ModuleLine::spread(&symmetries, map);
+        self.spread(map);
         let own = self.lines(map, shard).into_iter();
         let (lines, there): (Vec<ModuleLine>, Vec<ModuleLine>) = own.partition(|line| line.is_missing(map));
         let states = |lines: &[ModuleLine]| lines.iter().map(|line| line.pressures.len()).sum::<usize>();
@@ -193,9 +190,7 @@ impl ModuleSweep {
             return Ok(report);
         }
         let (module, pressures) = (map.module.clone(), map.pressures.clone());
-        let report_to = &mut report;
-        let filling =
-            Filling { map, report: report_to, symmetries: &symmetries, done: already, all, finished };
+        let filling = Filling { map, report: &mut report, done: already, all, finished };
         match self.solids {
             Some(settings) => {
                 // Threads beyond one a line go to the FREEs.
@@ -208,6 +203,7 @@ impl ModuleSweep {
                 None => return Ok(report),
             },
         }
+        self.spread(map);
         // In the order of the points, whichever thread was first.
         let checks = self.check_pressures(map);
         map.checks.sort_by_key(|check| checks.iter().position(|pressures| *pressures == check.pressures));

@@ -1,8 +1,8 @@
 use super::*;
 use crate::TipLoad;
 use actuator::{
-    Base, Elastomer, Fibre, FibreLaw, Free, Handedness, MapParameter, OgdenForm, PlacedFree, Tip, Tube,
-    Winding, payload_curvature,
+    Base, Elastomer, Fibre, FibreLaw, Free, Handedness, MapParameter, ModuleState, OgdenForm, PlacedFree,
+    Tip, Tube, Winding, payload_curvature,
 };
 use std::sync::{
     Mutex,
