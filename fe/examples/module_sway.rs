@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let count = module.frees.len();
     let axes = vec![vec![0.0, greatest * KPA]; count];
     let start = Instant::now();
-    let sections = sweep.section_laws(&module, &axes, &run)?;
+    let sections = sweep.section_laws(&module, &axes, &run)?.ok_or("stopped")?;
     let tabulated = start.elapsed().as_secs_f64();
     let solids = sweep.bending_laws(&module, &sections, &run)?.ok_or("stopped")?;
     println!(

@@ -19,14 +19,31 @@ fn section_of(free: &Free) -> Free {
     section
 }
 
-/// The first FREE whose section is the same as that of each FREE.
-fn first_alike(module: &Module) -> Vec<usize> {
+/// What is found of each FREE's section once, `find` being told the first FREE that has it, its section and the greatest pressure (Pa) of all
+/// that have it. `None` where that finds none.
+fn each_section<T: Clone>(
+    module: &Module,
+    pressures: &[f64],
+    mut find: impl FnMut(usize, &Free, f64) -> Result<Option<T>, ModuleSweepError>,
+) -> Result<Option<Vec<T>>, ModuleSweepError> {
     let sections: Vec<Free> = module.frees.iter().map(|placed| section_of(&placed.free)).collect();
-    sections.iter().map(|own| sections.iter().position(|other| other == own).unwrap_or_default()).collect()
+    let mut found: Vec<T> = Vec::with_capacity(sections.len());
+    for (free, section) in sections.iter().enumerate() {
+        let first = sections.iter().position(|other| other == section).unwrap_or(free);
+        let own = if first < free {
+            Some(found[first].clone())
+        } else {
+            let users = sections.iter().zip(pressures).filter(|(other, _)| *other == section);
+            find(free, section, users.map(|(_, pressure)| *pressure).fold(0.0, f64::max))?
+        };
+        let Some(own) = own else { return Ok(None) };
+        found.push(own);
+    }
+    Ok(Some(found))
 }
 
 fn greatest(pressures: &[f64]) -> f64 {
-    pressures.iter().fold(0.0f64, |greatest, pressure| greatest.max(*pressure))
+    pressures.iter().copied().fold(0.0, f64::max)
 }
 
 /// Bending law of each FREE up to its greatest pressure (Pa), from solids or, with no sweep, of the bare tube; FREEs of one section
@@ -37,26 +54,15 @@ pub(crate) fn bending_laws(
     sweep: Option<BendingSweep>,
     run: &Run<'_>,
 ) -> Result<Option<Vec<Arc<dyn BendingLaw>>>, ModuleSweepError> {
-    let alike = first_alike(module);
-    let mut laws: Vec<Arc<dyn BendingLaw>> = Vec::with_capacity(alike.len());
-    for (free, first) in alike.iter().copied().enumerate() {
+    each_section(module, pressures, |free, _, top| {
         let own = &module.frees[free].free;
-        let law = match sweep {
-            _ if first < free => laws[first].clone(),
-            None => Arc::new(ConstantBending::of_bare_tube(own)),
-            Some(sweep) => {
-                let users = alike.iter().zip(pressures).filter(|(other, _)| **other == free);
-                let top = users.fold(0.0f64, |top, (_, pressure)| top.max(*pressure));
-                let found = sweep.tabulate(own, top, run);
-                match found.map_err(|source| ModuleSweepError::Bending { free, source })? {
-                    None => return Ok(None),
-                    Some(table) => Arc::new(table),
-                }
-            }
+        let Some(sweep) = sweep else {
+            return Ok(Some(Arc::new(ConstantBending::of_bare_tube(own)) as Arc<dyn BendingLaw>));
         };
-        laws.push(law);
-    }
-    Ok(Some(laws))
+        let found = sweep.tabulate(own, top, run);
+        let table = found.map_err(|source| ModuleSweepError::Bending { free, source })?;
+        Ok(table.map(|table| Arc::new(table) as Arc<dyn BendingLaw>))
+    })
 }
 
 impl ModuleSweep {
@@ -66,52 +72,40 @@ impl ModuleSweep {
         module: &Module,
         pressures: &[Vec<f64>],
     ) -> Result<Vec<FreePath>, ModuleSweepError> {
-        let alike = first_alike(module);
-        let mut paths: Vec<FreePath> = Vec::with_capacity(alike.len());
-        for (free, first) in alike.into_iter().enumerate() {
-            let path = if first < free {
-                paths[first].clone()
-            } else {
-                SectionSolver::new(&section_of(&module.frees[free].free), self.mesh)
-                    .and_then(|mut solver| solver.path(&pressures[free], 8))
-                    .map_err(|source| ModuleSweepError::Section { free, source })?
-            };
-            paths.push(path);
-        }
-        Ok(paths)
+        let paths = each_section(module, &[], |free, section, _| {
+            let path = SectionSolver::new(section, self.mesh)
+                .and_then(|mut solver| solver.path(&pressures[free], 8))
+                .map_err(|source| ModuleSweepError::Section { free, source })?;
+            Ok(Some(path))
+        })?;
+        Ok(paths.unwrap_or_default())
     }
 
-    /// Section law of each FREE, tabulated up to its greatest pressure or its limit pressure; FREEs of one section share it.
+    /// Section law of each FREE, tabulated up to its greatest pressure or its limit pressure; FREEs of one section share it. `None` where the
+    /// run was stopped.
     ///
     /// # Errors
-    /// [`ModuleSweepError`] where a section cannot be solved or the tabulation was stopped.
+    /// [`ModuleSweepError`] where a section cannot be solved.
     pub fn section_laws(
         &self,
         module: &Module,
         pressures: &[Vec<f64>],
         run: &Run<'_>,
-    ) -> Result<Vec<Arc<SectionTable>>, ModuleSweepError> {
-        let alike = first_alike(module);
+    ) -> Result<Option<Vec<Arc<SectionTable>>>, ModuleSweepError> {
         let paths = self.free_paths(module, pressures)?;
-        let mut laws: Vec<Arc<SectionTable>> = Vec::with_capacity(alike.len());
-        for (free, first) in alike.iter().copied().enumerate() {
-            if first < free {
-                laws.push(laws[first].clone());
-                continue;
-            }
-            let users = alike.iter().zip(pressures).filter(|(other, _)| **other == free);
-            let top = users.flat_map(|(_, axis)| axis).fold(0.0f64, |top, pressure| top.max(*pressure));
+        let tops: Vec<f64> = pressures.iter().map(|axis| greatest(axis)).collect();
+        each_section(module, &tops, |free, section, top| {
             let top = paths[free].limit_pressure().map_or(top, |limit| top.min(limit));
-            let section = section_of(&module.frees[free].free);
-            let mut solver = SectionSolver::new(&section, self.mesh)
+            let mut solver = SectionSolver::new(section, self.mesh)
                 .map_err(|source| ModuleSweepError::Section { free, source })?;
-            let grid = TableGrid::for_free(&section, &paths[free], top);
+            let grid = TableGrid::for_free(section, &paths[free], top);
             let provider = move |p: f64, stretch: f64, twist: f64| solver.respond(p, stretch, twist).ok();
-            let table = SectionTable::tabulate(grid, &provider, run)
-                .map_err(|source| ModuleSweepError::Table { free, source })?;
-            laws.push(Arc::new(table));
-        }
-        Ok(laws)
+            match SectionTable::tabulate(grid, &provider, run) {
+                Err(TableError::Stopped) => Ok(None),
+                Err(source) => Err(ModuleSweepError::Table { free, source }),
+                Ok(table) => Ok(Some(Arc::new(table))),
+            }
+        })
     }
 
     /// Bending law of each FREE up to the greatest pressure of its section law; FREEs of one section share it. `None` where the run
@@ -139,10 +133,7 @@ impl ModuleSweep {
         pressures: &[Vec<f64>],
         run: &Run<'_>,
     ) -> Result<Option<Vec<RodLaw>>, ModuleSweepError> {
-        let sections = match self.section_laws(module, pressures, run) {
-            Err(ModuleSweepError::Table { source: TableError::Stopped, .. }) => return Ok(None),
-            sections => sections?,
-        };
+        let Some(sections) = self.section_laws(module, pressures, run)? else { return Ok(None) };
         let Some(bending) = self.bending_laws(module, &sections, run)? else { return Ok(None) };
         let laws = sections.into_iter().zip(bending).map(|(section, bending)| RodLaw { section, bending });
         Ok(Some(laws.collect()))
