@@ -49,11 +49,11 @@ impl<'m> Steered<'m> {
         self.name
     }
 
-    /// Whether a state of the map beside these pressures (Pa) is buckled.
-    pub fn is_near_buckling(&self, pressures: &[f64]) -> bool {
+    /// How much (Pa) every pressure that the base model answers to may change at once without leaving its domain; negative outside.
+    pub fn clearance(&self, pressures: &[f64]) -> f64 {
         let mut answered = pressures.to_vec();
         tip_model::deform(&tip_model::at_rest(self.effects), &mut answered);
-        self.module.is_near_buckling(&answered)
+        self.module.splines().clearance(&answered)
     }
 
     /// The module.

@@ -99,7 +99,7 @@ impl<'m> TipModel<'m> {
     fn check(&self, pressures: &[f64]) -> Result<(), OutOfDomain> {
         for (free, (&pressure, &(lower, upper))) in pressures.iter().zip(&self.domain).enumerate() {
             if !(lower <= pressure && pressure <= upper) {
-                return Err(OutOfDomain { free, pressure, lower, upper });
+                return Err(OutOfDomain::Pressure { free, pressure, lower, upper });
             }
         }
         Ok(())

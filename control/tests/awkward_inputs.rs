@@ -63,7 +63,12 @@ impl PoseModel for Torn {
         self.0.evaluate(pressures, into)?;
         if pressures[1] > 30e3 {
             if self.1 {
-                return Err(OutOfDomain { free: 1, pressure: pressures[1], lower: 0.0, upper: 30e3 });
+                return Err(OutOfDomain::Pressure {
+                    free: 1,
+                    pressure: pressures[1],
+                    lower: 0.0,
+                    upper: 30e3,
+                });
             }
             into.jacobian[1][3] = f64::NAN;
         }

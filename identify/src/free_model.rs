@@ -11,7 +11,7 @@ impl FreeResponse for FreeModel {
         let (lower, upper) = self.domain(winding_angle, shear_modulus);
         match self.evaluate(pressure, winding_angle, shear_modulus) {
             Ok(state) => Ok([state.axial_stretch, state.expansion, state.twist_per_length]),
-            Err(_) => Err(OutOfDomain { free: 0, pressure, lower, upper }),
+            Err(_) => Err(OutOfDomain::Pressure { free: 0, pressure, lower, upper }),
         }
     }
 

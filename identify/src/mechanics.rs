@@ -1,6 +1,6 @@
 use actuator::{MapParameter, Module, PoseChart, TipPose, payload_curvature};
 use nalgebra::Vector3;
-use rom::effect::{Chain, Loads, evaluate_near, overshoot};
+use rom::effect::{Chain, evaluate_near, hanging_mass, overshoot};
 use rom::{OutOfDomain, PoseEvaluation, PoseModel};
 
 /// Greatest number of quantities seen of a deformation: a pose has six.
@@ -99,7 +99,7 @@ impl<'a> ModuleMechanics<'a> {
             payload_curvature: at(MapParameter::PayloadCurvature),
             bending: at(MapParameter::BendingStiffness),
             slopes: parameters.len(),
-            hanging_mass: Loads::hanging_mass(module),
+            hanging_mass: hanging_mass(module),
             length: module.length(),
         }
     }

@@ -1,4 +1,6 @@
-use crate::{FreeErrors, FreeModel, LIMIT_MARGIN, SplineError, TensorSpline, free_model::FreeFacts};
+use crate::{
+    FreeErrors, FreeModel, LIMIT_MARGIN, SplineError, free_model::FreeFacts, interpolation::interpolate,
+};
 use actuator::{FreeMap, FreePath, PathEnd, units::DEG, units::MPA};
 
 /// Nodes along the path coordinate s. Deformation is smooth in it, and twice as many change no digit that the finite elements hold.
@@ -101,7 +103,7 @@ fn resample(path: &FreePath, reference: f64, nodes: &[f64]) -> Result<Vec<[f64; 
         places.push(s);
         table.push([1.0 / state.axial_stretch, state.expansion, state.twist_per_length]);
     }
-    let spline = TensorSpline::interpolate(vec![places], table)?;
+    let spline = interpolate(vec![places], table)?;
     let end = spline.grid().axes()[0].range().1;
     let mut samples = Vec::with_capacity(nodes.len());
     for node in nodes {
@@ -162,8 +164,8 @@ impl FreeModel {
         }
         // See FreeModel for the coordinates.
         let roots = angles.iter().map(|angle| angle.sqrt()).collect();
-        let scaled_reference = TensorSpline::interpolate(vec![angles, moduli.clone()], references)?;
-        let states = TensorSpline::interpolate(vec![roots, moduli, nodes], states)?;
+        let scaled_reference = interpolate(vec![angles, moduli.clone()], references)?;
+        let states = interpolate(vec![roots, moduli, nodes], states)?;
         let facts = FreeFacts { free: map.node.free, limited, errors: FreeErrors::default() };
         let mut model = Self::assemble(facts, scaled_reference, states)?;
         model.set_errors(FreeErrors::of(&model, map));

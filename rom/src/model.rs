@@ -2,6 +2,7 @@ use crate::{
     FreeModel, ModuleModel,
     effect::{Chain, EffectError},
     stored_model::StoredModel,
+    stored_model_old::StoredModelVersion1,
 };
 use actuator::artefact::{self, ArtefactError};
 use serde::{Deserialize, Serialize};
@@ -166,16 +167,23 @@ impl Model {
 
     /// Reads a model and checks all that evaluations rest on.
     pub fn read(path: &Path) -> Result<Self, ModelError> {
-        Self::check(path, artefact::read(path, artefact::MODEL)?)
+        let io_error = |source| ArtefactError::Io { path: path.to_owned(), source };
+        Self::from_bytes(path, &std::fs::read(path).map_err(io_error)?)
     }
 
     /// Reads a model from the bytes of a file; `path` is for messages.
     pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, ModelError> {
-        Self::check(path, artefact::from_bytes(path, artefact::MODEL, bytes)?)
-    }
-
-    fn check(path: &Path, stored: StoredModel) -> Result<Self, ModelError> {
-        Model::try_from(stored).map_err(|problem| ModelError::Invalid { path: path.to_owned(), problem })
+        let of_first = bytes.starts_with(&artefact::MODEL.magic)
+            && artefact::version(bytes) == Some(artefact::MODEL_VERSION_1.version);
+        let stored = if of_first {
+            let old: StoredModelVersion1 = artefact::from_bytes(path, artefact::MODEL_VERSION_1, bytes)?;
+            StoredModel::try_from(old)
+        } else {
+            Ok(artefact::from_bytes(path, artefact::MODEL, bytes)?)
+        };
+        stored
+            .and_then(Model::try_from)
+            .map_err(|problem| ModelError::Invalid { path: path.to_owned(), problem })
     }
 }
 

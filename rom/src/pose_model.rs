@@ -1,18 +1,7 @@
 use actuator::PoseChart;
 
-/// A pressure at which a model has no answer: beyond a limit pressure or beyond what its map covers.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("pressure {} of {:.3} kPa is outside the model's domain, {:.3} to {:.3} kPa", free + 1, pressure / 1e3, lower / 1e3, upper / 1e3)]
-pub struct OutOfDomain {
-    /// Index of the FREE.
-    pub free: usize,
-    /// The pressure asked for, Pa.
-    pub pressure: f64,
-    /// Least pressure of the domain, Pa.
-    pub lower: f64,
-    /// Greatest pressure of the domain, Pa.
-    pub upper: f64,
-}
+/// Pressures at which a model has no answer: beyond a limit pressure, beyond what its map covers, or beyond the stable states.
+pub type OutOfDomain = evaluator::OutsideModule<f64>;
 
 /// Value and derivatives of a module's pose; made once with [`PoseEvaluation::new`] and filled by each evaluation.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,6 +29,14 @@ impl PoseEvaluation {
 pub trait PoseModel {
     /// Least and greatest pressure (Pa) of each FREE: the box in which the model answers.
     fn domain(&self) -> &[(f64, f64)];
+
+    /// How much (Pa) every pressure may change at once without leaving the domain; negative outside.
+    fn clearance(&self, pressures: &[f64]) -> f64 {
+        let to_side =
+            |(pressure, (lower, upper)): (&f64, &(f64, f64))| (pressure - lower).min(upper - pressure);
+        pressures.iter().zip(self.domain()).map(to_side).fold(f64::INFINITY, f64::min)
+    }
+
     /// Pose and derivatives at the pressures (Pa), without allocation.
     ///
     /// Of d(chart)/d(parameter) it fills as many as `into` has room for: a caller that wants none makes no room. Room beyond
@@ -68,7 +65,7 @@ pub trait PoseModel {
             inside.iter_mut().zip(pressures).zip(domain).enumerate()
         {
             if !(lower - reach <= pressure && pressure <= upper + reach) {
-                return Err(OutOfDomain { free, pressure, lower, upper });
+                return Err(OutOfDomain::Pressure { free, pressure, lower, upper });
             }
             *nearest = pressure.clamp(lower, upper);
         }
@@ -92,6 +89,10 @@ impl<M: PoseModel + ?Sized> PoseModel for &M {
 
     fn evaluate(&self, pressures: &[f64], into: &mut PoseEvaluation) -> Result<(), OutOfDomain> {
         (**self).evaluate(pressures, into)
+    }
+
+    fn clearance(&self, pressures: &[f64]) -> f64 {
+        (**self).clearance(pressures)
     }
 
     fn evaluate_near(

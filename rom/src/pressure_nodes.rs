@@ -36,7 +36,7 @@ pub fn recommended_pressure_nodes(max: f64, limit: Option<f64>, count: usize) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::TensorSpline;
+    use crate::interpolation::interpolate;
 
     #[test]
     fn they_rise_from_zero_to_the_greatest_pressure() {
@@ -56,7 +56,7 @@ mod tests {
         let (max, count) = (68.9e3, 9);
         let worst = |nodes: Vec<f64>, function: &dyn Fn(f64) -> f64| {
             let table = nodes.iter().map(|p| [function(*p)]).collect();
-            let spline = TensorSpline::interpolate(vec![nodes], table).unwrap();
+            let spline = interpolate(vec![nodes], table).unwrap();
             let error = |k: u32| {
                 let p = max * f64::from(k) / 1000.0;
                 (spline.partial(&[p], &[0]).unwrap()[0] - function(p)).abs()

@@ -2,10 +2,11 @@
 
 use crate::{
     ErrorStatistics, FreeModel, InvalidModel, Model, ModelContent, ModuleModel, Provenance, SplineError,
-    TensorSpline,
+    SplineGrid, TensorSpline,
     effect::{Chain, Effect, EffectKind},
     free_model::FreeFacts,
-    module_model::ModuleFacts,
+    interpolation::{from_coefficients, grid},
+    module_model::{ModuleFacts, Tables},
 };
 use actuator::Free;
 use serde::{Deserialize, Serialize};
@@ -30,7 +31,7 @@ pub(crate) struct StoredSpline {
 #[expect(clippy::large_enum_variant, reason = "there is one of it, while a file is read or written")]
 pub(crate) enum StoredContent {
     Free { facts: FreeFacts, scaled_reference: StoredSpline, states: StoredSpline },
-    Module { facts: ModuleFacts, chart: StoredSpline, slopes: Vec<Vec<f64>> },
+    Module { facts: ModuleFacts, nodes: Vec<Vec<f64>>, tables: Tables },
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,25 +41,20 @@ pub(crate) struct StoredModel {
     pub provenance: Provenance,
 }
 
-/// Rows of `OUT` numbers; the last must be whole.
-fn rows<const OUT: usize>(numbers: &[f64]) -> Result<Vec<[f64; OUT]>, SplineError> {
-    let (rows, rest) = numbers.as_chunks::<OUT>();
-    if !rest.is_empty() {
-        return Err(SplineError::Count { expected: (rows.len() + 1) * OUT, found: numbers.len() });
-    }
-    Ok(rows.to_vec())
+fn nodes(grid: &SplineGrid) -> Vec<Vec<f64>> {
+    grid.axes().iter().map(|axis| axis.nodes().to_vec()).collect()
 }
 
 impl StoredSpline {
     fn from_spline<const OUT: usize>(spline: &TensorSpline<OUT>) -> Self {
         StoredSpline {
-            nodes: spline.grid().axes().iter().map(|axis| axis.nodes().to_vec()).collect(),
+            nodes: nodes(spline.grid()),
             coefficients: spline.coefficients().as_flattened().to_vec(),
         }
     }
 
-    fn into_spline<const OUT: usize>(self) -> Result<TensorSpline<OUT>, SplineError> {
-        TensorSpline::from_coefficients(self.nodes, rows(&self.coefficients)?)
+    pub(crate) fn into_spline<const OUT: usize>(self) -> Result<TensorSpline<OUT>, SplineError> {
+        from_coefficients(self.nodes, self.coefficients)
     }
 }
 
@@ -96,14 +92,23 @@ impl From<&Model> for StoredModel {
         let content = match &model.content {
             ModelContent::Free(free) => StoredContent::Free {
                 facts: free.facts().clone(),
-                scaled_reference: StoredSpline::from_spline(free.scaled_reference()),
-                states: StoredSpline::from_spline(free.states()),
+                scaled_reference: StoredSpline::from_spline(free.splines().scaled_reference()),
+                states: StoredSpline::from_spline(free.splines().states()),
             },
-            ModelContent::Module(module) => StoredContent::Module {
-                facts: module.facts().clone(),
-                chart: StoredSpline::from_spline(module.chart()),
-                slopes: module.slopes().iter().map(|table| table.as_flattened().to_vec()).collect(),
-            },
+            ModelContent::Module(module) => {
+                let splines = module.splines();
+                let slopes = (0..splines.parameters()).flat_map(|parameter| splines.slopes(parameter));
+                StoredContent::Module {
+                    facts: module.facts().clone(),
+                    nodes: nodes(splines.grid()),
+                    tables: Tables {
+                        chart: splines.chart().as_flattened().to_vec(),
+                        slopes: slopes.flatten().copied().collect(),
+                        clearance: splines.clearances().to_vec(),
+                        bars: splines.bars().as_flattened().to_vec(),
+                    },
+                }
+            }
         };
         StoredModel {
             content,
@@ -135,26 +140,14 @@ fn check_errors(statistics: &[ErrorStatistics]) -> Result<(), InvalidModel> {
     }
 }
 
-fn check_module(
-    facts: &ModuleFacts,
-    chart: &TensorSpline<6>,
-    slopes: &[Vec<[f64; 6]>],
-) -> Result<(), InvalidModel> {
+fn check_module(facts: &ModuleFacts, grid: &SplineGrid, tables: &Tables) -> Result<(), InvalidModel> {
     let wrong = |problem| Err(InvalidModel::Inconsistent(problem));
     let frees = facts.module.frees.len();
-    let axes = chart.grid().axes().len();
-    if [axes, facts.limits.pressure_max.len(), facts.limit_pressures.len()] != [frees; 3] {
+    if [grid.axes().len(), facts.limits.pressure_max.len(), facts.limit_pressures.len()] != [frees; 3] {
         return wrong("it has not as many pressures as FREEs");
     }
-    if slopes.len() != facts.parameters.len() {
+    if Some(tables.slopes.len()) != tables.chart.len().checked_mul(facts.parameters.len()) {
         return wrong("it has not as many tables of slopes as parameters");
-    }
-    for table in slopes {
-        chart.grid().check_table(table, "slope coefficient")?;
-    }
-    let nodes = chart.grid().node_count() as u64;
-    if facts.buckled.iter().any(|node| *node >= nodes) || !facts.buckled.is_sorted() {
-        return wrong("its list of buckled nodes is none");
     }
     let (tip, base, limits) = (&facts.module.tip, &facts.module.base, &facts.limits);
     let numbers = [tip.plate_mass, tip.payload, base.free_mass, limits.pressure_rate, limits.idle_pressure];
@@ -197,11 +190,10 @@ impl TryFrom<StoredModel> for Model {
                     states.into_spline()?,
                 )?)
             }
-            StoredContent::Module { facts, chart, slopes } => {
-                let chart = chart.into_spline()?;
-                let slopes = slopes.iter().map(|table| rows(table)).collect::<Result<Vec<_>, _>>()?;
-                check_module(&facts, &chart, &slopes)?;
-                ModelContent::Module(ModuleModel::assemble(facts, chart, slopes)?)
+            StoredContent::Module { facts, nodes, tables } => {
+                let grid = grid(nodes)?;
+                check_module(&facts, &grid, &tables)?;
+                ModelContent::Module(ModuleModel::assemble(facts, grid, tables)?)
             }
         };
         let effects = stored.effects.into_iter().map(Effect::try_from).collect::<Result<_, _>>()?;

@@ -160,11 +160,24 @@ fn module_text(module: &ModuleModel) -> String {
     table.row(error_row("position (mm)", &errors.position, MM));
     table.row(error_row("rotation (°)", &errors.rotation, DEG));
     let mut text = format!("{}\n{}", domain.text(), table.text());
-    let buckled = module.buckled_nodes().len();
-    if buckled > 0 {
+    if errors.bars.states > 0 {
+        let share = |held: usize| short(100.0 * held as f64 / errors.bars.states as f64);
         text += &format!(
-            "\n  {buckled} nodes are buckled: there the pose follows one of several branches, a real module may follow another\n"
+            "\n  error bars, set to hold 95 %: hold for {} % of positions and {} % of rotations of {} states that did not set them\n",
+            share(errors.bars.position),
+            share(errors.bars.rotation),
+            errors.bars.states
         );
+    }
+    let unstable = module.unstable_nodes();
+    if unstable > 0 {
+        text += &format!(
+            "\n  {unstable} of {} nodes have no stable state: the domain ends before them\n",
+            module.splines().grid().node_count()
+        );
+    }
+    if errors.unstable > 0 {
+        text += &format!("  {} states for checks are unstable and were not judged\n", errors.unstable);
     }
     if errors.outside > 0 {
         text +=
@@ -181,6 +194,8 @@ fn module_json(module: &ModuleModel) -> Value {
         "limit_pressures_kpa": module.limit_pressures().iter().map(|p| p.map(|p| p / KPA)).collect::<Vec<_>>(),
         "held_out": { "position_mm": error_json(&errors.position, MM), "rotation_deg": error_json(&errors.rotation, DEG) },
         "outside": errors.outside,
-        "buckled_nodes": module.buckled_nodes().len(),
+        "unstable_nodes": module.unstable_nodes(),
+        "error_bars": { "states": errors.bars.states, "position_held": errors.bars.position,
+            "rotation_held": errors.bars.rotation },
     })
 }

@@ -35,7 +35,7 @@ struct Reached {
     hollow: usize,
     /// Worst error of the spline on states that it never saw, m.
     model_error: f64,
-    buckled: usize,
+    buckled: u64,
 }
 
 /// Computes it.
@@ -156,7 +156,7 @@ fn reach(bench: &Bench, kind: &'static Kind) -> Result<Reached, Failure> {
         kind,
         hollow: set.count_missed(middles.iter()),
         model_error: model.errors().position.worst,
-        buckled: model.buckled_nodes().len(),
+        buckled: model.unstable_nodes(),
         tracks: tracks(&map.module, &model, &bounds).map_err(outside)?,
         bounds,
         levels,

@@ -53,7 +53,6 @@ pub struct Report {
     manipulability: [f64; 3],
     condition: [f64; 3],
     points: usize,
-    near_buckling: usize,
     missed: usize,
 }
 
@@ -90,7 +89,6 @@ impl Report {
             ),
             condition: spread(points.iter().map(|point| point.dexterity.condition).collect()),
             points: points.len(),
-            near_buckling: points.iter().filter(|point| point.near_buckling).count(),
             missed: set.count_missed(scattered.iter()),
         })
     }
@@ -192,12 +190,6 @@ impl Report {
         text += &format!("  manipulability         {least} to {greatest} mm³/kPa³, middle {middle}\n");
         let [least, middle, _] = self.condition.map(short);
         text += &format!("  condition number       from {least}, middle {middle}\n");
-        if self.near_buckling > 0 {
-            text += &format!(
-                "  near buckling          {} of {} points: there the pose follows one of several branches\n",
-                self.near_buckling, self.points
-            );
-        }
         text += &format!(
             "  check                  {} of {CHECKS} poses at scattered pressures lie more than a cell outside\n",
             self.missed
@@ -236,7 +228,7 @@ impl Report {
             "volume_mm3": self.set.volume() / CUBE, "volume_error_mm3": self.volume_error() / CUBE,
             "levels": levels.collect::<Vec<_>>(), "spacing_mm": self.set.spacing.map(|spacing| spacing / MM),
             "boundary": areas.collect::<Vec<_>>(), "reach": sideways.collect::<Vec<_>>(),
-            "points": self.points, "near_buckling": self.near_buckling,
+            "points": self.points,
             "manipulability_mm3_per_kpa3": spread(self.manipulability), "condition_number": spread(self.condition),
             "check": { "states": CHECKS, "outside": self.missed },
         })

@@ -11,7 +11,7 @@ use actuator::{
 };
 use control::{Bounds, Dexterity};
 use fe::vtk::{Array, UnstructuredGrid, VERTEX, Values};
-use rom::{PoseEvaluation, PoseModel};
+use rom::{OutOfDomain, PoseEvaluation, PoseModel};
 use std::path::Path;
 
 /// Most points that are written.
@@ -25,11 +25,11 @@ pub struct Point {
     pub pose: TipPose,
     /// How the position answers to the pressures.
     pub dexterity: Dexterity,
-    /// Whether a node of the map beside it is buckled.
-    pub near_buckling: bool,
+    /// How much every pressure may change at once without leaving the model's domain, Pa.
+    pub clearance: f64,
 }
 
-/// Poses on an even grid of pressures within bounds, the last FREE's fastest.
+/// Poses on an even grid of pressures within bounds, the last FREE's fastest, where the module has a stable state.
 pub fn points(module: &Steered<'_>, bounds: &Bounds, per_axis: usize) -> Result<Vec<Point>, Failure> {
     let frees = bounds.lower.len();
     let counts: Vec<usize> = bounds
@@ -51,13 +51,16 @@ pub fn points(module: &Steered<'_>, bounds: &Bounds, per_axis: usize) -> Result<
         let places = grid_places(counts.iter().copied(), node).into_iter().enumerate();
         let pressures: Vec<f64> =
             places.map(|(free, place)| bounds.step(free, place, counts[free] - 1)).collect();
-        tip.evaluate(&pressures, &mut into).map_err(|error| Failure::refused(error.to_string()))?;
-        let near_buckling = module.is_near_buckling(&pressures);
+        match tip.evaluate(&pressures, &mut into) {
+            Err(OutOfDomain::Unstable { .. }) => continue,
+            answer => answer.map_err(|error| Failure::refused(error.to_string()))?,
+        }
+        let clearance = module.clearance(&pressures);
         found.push(Point {
             pressures,
             pose: into.chart.to_pose(),
             dexterity: Dexterity::of(&into),
-            near_buckling,
+            clearance,
         });
     }
     Ok(found)
@@ -71,7 +74,7 @@ pub fn write_points(points: &[Point], out: &Path) -> Result<(), Failure> {
     let frees = points.first().map_or(0, |point| point.pressures.len());
     let names = map_csv::pressure_header(frees);
     let mut text = names.join(",") + "," + map_csv::POSE_HEADER;
-    text += ",manipulability_mm3_per_kpa3,condition_number,near_buckling\n";
+    text += ",manipulability_mm3_per_kpa3,condition_number,clearance_kpa\n";
     for point in points {
         let mut cells: Vec<String> = point.pressures.iter().map(|pressure| number(pressure / KPA)).collect();
         cells.extend(map_csv::pose_cells(&point.pose));
@@ -80,7 +83,7 @@ pub fn write_points(points: &[Point], out: &Path) -> Result<(), Failure> {
         cells.push(
             Some(point.dexterity.condition).filter(|value| value.is_finite()).map(number).unwrap_or_default(),
         );
-        cells.push(u8::from(point.near_buckling).to_string());
+        cells.push(number(point.clearance / KPA));
         text += &(cells.join(",") + "\n");
     }
     output::save(&out.join("points.csv"), text.as_bytes())?;
@@ -92,8 +95,7 @@ pub fn write_points(points: &[Point], out: &Path) -> Result<(), Failure> {
         pressures.map(|(free, name)| each(name, &|point| point.pressures[free] / KPA)).collect();
     point_data.push(each("manipulability_mm3_per_kpa3", &|point| point.dexterity.manipulability / CUBIC));
     point_data.push(each("condition_number", &|point| point.dexterity.condition));
-    let near_buckling = points.iter().map(|point| u8::from(point.near_buckling)).collect();
-    point_data.push(Array::new("near_buckling", 1, Values::U8(near_buckling)));
+    point_data.push(each("clearance_kpa", &|point| point.clearance / KPA));
     let grid = UnstructuredGrid {
         points: points.iter().map(|point| point.pose.position.map(|metres| metres / MM).into()).collect(),
         cell_type: VERTEX,

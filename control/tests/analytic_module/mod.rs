@@ -73,7 +73,7 @@ impl PoseModel for AnalyticModule {
         for free in 0..n {
             let (pressure, (lower, upper)) = (pressures[free], self.domain[free]);
             if !(lower <= pressure && pressure <= upper) {
-                return Err(OutOfDomain { free, pressure, lower, upper });
+                return Err(OutOfDomain::Pressure { free, pressure, lower, upper });
             }
             let x = pressure / 70e3;
             let (first, second) = (self.first_power, 0.35);

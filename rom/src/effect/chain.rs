@@ -1,10 +1,11 @@
-use super::delay::Past;
-use super::{
-    Effect, EffectError, EffectKind, Link, base_frame, bending_scale, creep, hysteresis, marker_frame,
-    mismatch, mullins, pressure_bias, saturation, stiffness, supply_lag, valve_backlash,
-};
+use super::Effect;
 use actuator::{Module, PoseChart, TipPose};
+use evaluator::{Pose, effect};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
+
+/// What effects change in a module beyond its pressures: factors of the map's slopes.
+pub type Loads = effect::Loads<f64>;
 
 /// Effects in the order in which they act. On each link the order of the list holds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -14,157 +15,97 @@ pub struct Chain {
     pub effects: Vec<Effect>,
 }
 
-/// What the chain remembers: one number an effect and FREE, and the past of delays.
+/// What the chain remembers, of an actuator of so many FREEs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChainState {
     frees: usize,
     memory: Vec<f64>,
-    pasts: Vec<Past>,
-    supplied: bool,
 }
 
-/// What effects change in a module beyond its pressures: factors of the map's slopes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Loads {
-    /// Mass at the plate beyond the base model's, kg, as the base model is to be told of it.
-    pub mass: f64,
-    /// Factor on the bending stiffness, minus one.
-    pub bending_stiffness: f64,
+/// Mass (kg) at the plate that stretches and straightens a module as its own masses do: plate, payload and half of the FREEs'
+/// (the mean of a hanging bar's tension is that of half its weight at the end).
+pub fn hanging_mass(module: &Module) -> f64 {
+    module.tip.plate_mass + module.tip.payload + 0.5 * module.base.free_mass * module.frees.len() as f64
+}
+
+fn plain(pose: &TipPose) -> Pose<f64> {
+    Pose { position: pose.position.into(), rotation: pose.wxyz() }
 }
 
 impl Chain {
     /// Checks every effect for an actuator of `frees` FREEs.
-    pub fn check(&self, frees: usize) -> Result<(), EffectError> {
+    pub fn check(&self, frees: usize) -> Result<(), super::EffectError> {
         self.effects.iter().try_for_each(|effect| effect.check(frees))
+    }
+
+    /// The chain as the evaluator steps it.
+    fn of<'a>(
+        &'a self,
+        frees: usize,
+    ) -> effect::Chain<impl DoubleEndedIterator<Item = effect::Effect<'a, f64>> + Clone> {
+        let lent = |effect: &'a Effect| effect::Effect {
+            kind: effect.kind,
+            frees: effect.frees.iter().fold(0, |bits, free| bits | 1 << free),
+            values: &effect.values,
+        };
+        effect::Chain::new(self.effects.iter().map(lent), frees)
     }
 
     /// The state of an actuator of `frees` FREEs that has rested: no pressure so far, no memory.
     pub fn at_rest(&self, frees: usize) -> ChainState {
-        let delays = self.effects.iter().filter(|effect| effect.kind == EffectKind::Delay).count();
-        ChainState {
-            frees,
-            memory: vec![0.0; self.effects.len() * frees],
-            pasts: vec![Past::new(); delays * frees],
-            supplied: false,
-        }
+        ChainState { frees, memory: vec![0.0; self.of(frees).memory()] }
     }
 
     /// Commands to pressures in the FREEs (Pa, in place) after `step` seconds. The first call starts the supply settled at its command.
     pub fn supply(&self, state: &mut ChainState, step: f64, pressures: &mut [f64]) {
-        for (index, effect) in self.on(Link::Supply) {
-            for &free in &effect.frees {
-                let memory = &mut state.memory[index * state.frees + free];
-                let command = pressures[free];
-                pressures[free] = match effect.kind {
-                    EffectKind::SupplyLag => {
-                        if !state.supplied {
-                            *memory = command;
-                        }
-                        supply_lag::pressure(&effect.values, memory, step, command)
-                    }
-                    EffectKind::ValveBacklash => valve_backlash::pressure(&effect.values, memory, command),
-                    EffectKind::Saturation => saturation::pressure(&effect.values, command),
-                    _ => command,
-                };
-            }
-        }
-        state.supplied = true;
+        self.of(state.frees).supply(&mut state.memory, step, pressures);
     }
 
     /// Pressures in the FREEs to pressures read (Pa, in place).
     pub fn read_pressures(&self, pressures: &mut [f64]) {
-        for (_, effect) in self.on(Link::Sensing) {
-            for &free in &effect.frees {
-                pressures[free] = pressure_bias::read(&effect.values, pressures[free]);
-            }
-        }
+        self.of(pressures.len()).read_pressures(pressures);
     }
 
     /// Pressures read to pressures in the FREEs (Pa, in place): inverse of [`Chain::read_pressures`].
     pub fn unread_pressures(&self, pressures: &mut [f64]) {
-        for effect in self.effects.iter().rev().filter(|effect| effect.kind.link() == Link::Sensing) {
-            for &free in &effect.frees {
-                pressures[free] = pressure_bias::unread(&effect.values, pressures[free]);
-            }
-        }
+        self.of(pressures.len()).unread_pressures(pressures);
     }
 
     /// Pressures in the FREEs to those that the base model is to answer (Pa, in place) after `step` seconds: memory of the rubber,
     /// stiffness, and delays of the reading (the base model has no state, so that a late pose is the pose of a late pressure).
     pub fn deform(&self, state: &mut ChainState, step: f64, pressures: &mut [f64]) {
-        let mut delays = 0;
-        for (index, effect) in self.effects.iter().enumerate() {
-            let past = delays * state.frees;
-            delays += usize::from(effect.kind == EffectKind::Delay);
-            if !effect.kind.acts_on_pressure() {
-                continue;
-            }
-            for &free in &effect.frees {
-                let memory = &mut state.memory[index * state.frees + free];
-                let pressure = &mut pressures[free];
-                *pressure = match effect.kind {
-                    EffectKind::Stiffness => stiffness::pressure(&effect.values, *pressure),
-                    EffectKind::Mismatch => mismatch::pressure(&effect.values, *pressure),
-                    EffectKind::Hysteresis => hysteresis::pressure(&effect.values, memory, *pressure),
-                    EffectKind::Creep => creep::pressure(&effect.values, memory, step, *pressure),
-                    EffectKind::Mullins => mullins::pressure(&effect.values, memory, *pressure),
-                    EffectKind::Delay => state.pasts[past + free].pressure(&effect.values, step, *pressure),
-                    _ => *pressure,
-                };
-            }
-        }
+        self.of(state.frees).deform(&mut state.memory, step, pressures);
     }
 
-    /// Factors of the base model's slopes. `hanging_mass` (kg) is what the base model carries already, see [`Loads::hanging_mass`]: a rubber
+    /// Factors of the base model's slopes. `hanging_mass` (kg) is what the base model carries already, see [`hanging_mass`]: a rubber
     /// stiffer by 1 + a answers `(hanging + payload)/(1 + a)` as the base model does, which knows of `hanging` alone.
     pub fn loads(&self, hanging_mass: f64) -> Loads {
-        let sum = |kind| self.of(kind).map(|effect| effect.values[0]).sum::<f64>();
-        let stiffer: f64 = self.of(EffectKind::Stiffness).map(|effect| 1.0 + effect.values[0]).product();
-        Loads {
-            mass: (hanging_mass + sum(EffectKind::Payload)) / stiffer - hanging_mass,
-            bending_stiffness: sum(EffectKind::BendingStiffness),
-        }
+        self.of(0).loads(hanging_mass)
     }
 
     /// Change of the winding angle, rad.
     pub fn winding_angle(&self) -> f64 {
-        self.of(EffectKind::WindingAngle).map(|effect| effect.values[0]).sum()
+        self.of(0).winding_angle()
     }
 
     /// The chart of a module whose base model answers `chart`, loads included: what bends further bends further.
     pub fn bend(&self, chart: &PoseChart) -> PoseChart {
-        self.of(EffectKind::BendingScale)
-            .fold(*chart, |chart, effect| bending_scale::chart(&effect.values, &chart))
+        PoseChart::from_array(self.of(0).bend(chart.to_array()))
     }
 
     /// Pose to pose read: marker first, then base frame.
     pub fn read_pose(&self, pose: &TipPose) -> TipPose {
-        let marked = self
-            .of(EffectKind::MarkerFrame)
-            .fold(*pose, |pose, effect| marker_frame::pose(&effect.values, &pose));
-        self.of(EffectKind::BaseFrame).fold(marked, |pose, effect| base_frame::pose(&effect.values, &pose))
-    }
-
-    fn on(&self, link: Link) -> impl Iterator<Item = (usize, &Effect)> {
-        self.effects.iter().enumerate().filter(move |(_, effect)| effect.kind.link() == link)
-    }
-
-    fn of(&self, kind: EffectKind) -> impl Iterator<Item = &Effect> {
-        self.effects.iter().filter(move |effect| effect.kind == kind)
-    }
-}
-
-impl Loads {
-    /// Mass (kg) at the plate that stretches and straightens a module as its own masses do: plate, payload and half of the FREEs'
-    /// (the mean of a hanging bar's tension is that of half its weight at the end).
-    pub fn hanging_mass(module: &Module) -> f64 {
-        module.tip.plate_mass + module.tip.payload + 0.5 * module.base.free_mass * module.frees.len() as f64
+        let Pose { position, rotation: [w, x, y, z] } = self.of(0).read_pose(&plain(pose));
+        // The product of unit quaternions is one, up to rounding.
+        let rotation = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+        TipPose { position: Vector3::from(position), rotation }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effect::EffectKind;
 
     fn effect(kind: EffectKind, frees: &[usize], values: &[f64]) -> Effect {
         Effect { kind, frees: frees.to_vec(), values: values.to_vec() }

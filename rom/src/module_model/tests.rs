@@ -1,5 +1,6 @@
 use super::*;
 use crate::synthetic::{LIMIT, PRESSURE_MAX, module_map, module_state};
+use crate::{ErrorStatistics, ModuleErrors, ModuleFitError};
 
 fn even(count: usize) -> Vec<f64> {
     (0..count).map(|i| PRESSURE_MAX * i as f64 / (count - 1) as f64).collect()
@@ -81,7 +82,7 @@ fn errors_are_those_of_the_check_states_and_of_nothing_else() {
     assert!((other.errors().position.worst - 0.01).abs() < 1e-3);
     assert_eq!(other.errors().worst_at, map.checks[7].pressures);
     assert_eq!((other.errors().position.count, other.errors().outside), (39, 1));
-    assert_eq!(other.chart, model.chart, "a check state has changed the fit");
+    assert_eq!(other.splines().chart(), model.splines().chart(), "a check state has changed the fit");
     map.checks.clear();
     assert_eq!(ModuleModel::fit(&map).unwrap().errors(), &ModuleErrors::default());
 }
@@ -95,7 +96,7 @@ fn the_domain_stops_below_the_limit_pressure() {
     let mut into = model.workspace();
     assert!(model.evaluate(&[58.7e3, 0.0], &mut into).is_ok());
     let error = model.evaluate(&[59e3, 0.0], &mut into).unwrap_err();
-    assert_eq!(error, OutOfDomain { free: 0, pressure: 59e3, lower: 0.0, upper: 58.8e3 });
+    assert_eq!(error, OutOfDomain::Pressure { free: 0, pressure: 59e3, lower: 0.0, upper: 58.8e3 });
     assert!(model.evaluate(&[0.0, f64::NAN], &mut into).is_err());
     assert!(model.evaluate(&[-1e-9, 0.0], &mut into).is_err());
     map.limit_pressures = vec![Some(LIMIT), Some(f64::NAN)];
@@ -129,47 +130,81 @@ fn noise_about_zero_is_continued_linearly_and_no_further_than_asked() {
 }
 
 #[test]
-fn missing_nodes_are_named() {
-    let mut map = module_map(vec![even(4), even(5)], 0);
-    map.states[6] = None;
-    map.states[13] = None;
-    let message = ModuleModel::fit(&map).unwrap_err().to_string();
-    assert!(message.contains("2 of 20 states"), "{message}");
-    assert!(message.contains("[22.967, 17.225] kPa, [45.933, 51.675] kPa"), "{message}");
-    map = module_map(vec![even(4), even(5)], 0);
-    map.states[3].as_mut().unwrap().slopes.pop();
-    assert!(ModuleModel::fit(&map).unwrap_err().to_string().contains("one slope a parameter"));
-    map = module_map(vec![even(4), even(5)], 0);
-    map.states[3].as_mut().unwrap().chart.twist = f64::NAN;
-    assert!(ModuleModel::fit(&map).unwrap_err().to_string().contains("[0.000, 51.675] kPa is not a finite"));
-    map = module_map(vec![even(4), even(5)], 0);
-    map.limit_pressures.pop();
-    assert!(ModuleModel::fit(&map).unwrap_err().to_string().contains("2 FREEs, but its map has 1 limit"));
-    map.states.pop();
-    assert!(ModuleModel::fit(&map).is_err());
+fn bad_states_are_named() {
+    let fails = |change: fn(&mut actuator::ModuleMap)| {
+        let mut map = module_map(vec![even(4), even(5)], 0);
+        change(&mut map);
+        ModuleModel::fit(&map).unwrap_err().to_string()
+    };
+    let few = fails(|map| {
+        map.states[3].as_mut().unwrap().slopes.pop();
+    });
+    assert!(few.contains("one slope a parameter"), "{few}");
+    let none = fails(|map| map.states[3].as_mut().unwrap().chart.twist = f64::NAN);
+    assert!(none.contains("[0.000, 51.675] kPa is not a finite"), "{none}");
+    let limits = fails(|map| {
+        map.limit_pressures.pop();
+    });
+    assert!(limits.contains("2 FREEs, but its map has 1 limit"), "{limits}");
+    let states = fails(|map| {
+        map.states.pop();
+    });
+    assert!(states.contains("20 nodes in all, but the table has 19"), "{states}");
+    let all = fails(|map| map.states.iter_mut().for_each(|state| *state = None));
+    assert!(all.contains("20 of 20 states of the map are missing or unstable"), "{all}");
+    assert!(all.contains("first at pressures [0.000, 0.000] kPa, [0.000, 17.225] kPa"), "{all}");
+}
+
+/// A map of two FREEs whose states end, or turn unstable, beyond a sum of pressures.
+fn ending(count: usize, unstable: bool) -> actuator::ModuleMap {
+    let mut map = module_map(vec![even(count), even(count)], 600);
+    for node in 0..map.node_count() {
+        if map.node_pressures(node).iter().sum::<f64>() > 1.2 * PRESSURE_MAX {
+            if unstable {
+                let state = map.states[node].as_mut().unwrap();
+                // What lies beyond need not even be near: another branch.
+                state.negative_pivots = 1;
+                state.chart.position[0] += 0.1;
+            } else {
+                map.states[node] = None;
+            }
+        }
+    }
+    map
 }
 
 #[test]
-fn buckled_nodes_are_told() {
-    // The synthetic module is buckled where no FREE has 1 kPa: at the node of rest.
-    let model = model(&[5, 4]);
-    assert_eq!(model.buckled_nodes(), [[0.0, 0.0]]);
-    assert!(model.is_near_buckling(&[3e3, 20e3]));
-    assert!(model.is_near_buckling(&[-3e3, -2.0]));
-    assert!(!model.is_near_buckling(&[18e3, 20e3]));
-    assert!(!model.is_near_buckling(&[3e3, 24e3]));
-    assert!(!model.is_near_buckling(&[PRESSURE_MAX, PRESSURE_MAX]));
-    // A node in the middle belongs to the cells on all its sides.
-    let mut map = module_map(vec![even(5), even(4)], 0);
-    map.states[2 * 4 + 1].as_mut().unwrap().negative_pivots = 2;
-    let model = ModuleModel::fit(&map).unwrap();
-    let node = map.node_pressures(9);
-    assert_eq!(model.buckled_nodes(), [vec![0.0, 0.0], node.clone()]);
-    for (x, y) in [(-5e3, -5e3), (-5e3, 5e3), (5e3, -5e3), (5e3, 5e3)] {
-        assert!(model.is_near_buckling(&[node[0] + x, node[1] + y]));
+fn the_domain_ends_before_unstable_and_missing_states() {
+    let (missing, unstable) = (ending(9, false), ending(9, true));
+    let model = ModuleModel::fit(&missing).unwrap();
+    assert_eq!(model.splines(), ModuleModel::fit(&unstable).unwrap().splines());
+    assert!(model.unstable_nodes() == 28 && model.errors().outside > 100);
+    let mut into = model.workspace();
+    let step = PRESSURE_MAX / 8.0;
+    // The cells without begin above 8 steps in sum.
+    for (at, clearance) in [([3.0, 2.0], 1.5), ([0.5, 0.5], 0.5), ([7.5, 0.25], 0.125)] {
+        let pressures = at.map(|steps| steps * step);
+        assert!(model.evaluate(&pressures, &mut into).is_ok(), "{at:?}");
+        let found = model.clearance(&pressures) / step;
+        assert!(found > 0.0 && found <= 2.0 * clearance, "{at:?}: {found}");
     }
-    assert!(!model.is_near_buckling(&[node[0] + 20e3, node[1]]));
-    let single = ModuleModel::fit(&module_map(vec![vec![0.0], even(4)], 0)).unwrap();
-    assert!(single.is_near_buckling(&[0.0, 1e3]));
-    assert!(!single.is_near_buckling(&[0.0, 30e3]));
+    let beyond = model.evaluate(&[7.5 * step, 6.5 * step], &mut into).unwrap_err();
+    let OutOfDomain::Unstable { beyond: distance } = beyond else { panic!("{beyond:?}") };
+    assert!(distance > step && model.clearance(&[7.5 * step, 6.5 * step]) == -distance);
+    assert!(beyond.to_string().contains("kPa beyond the stable states"), "{beyond}");
+    assert!(model.evaluate(&[-1.0, 0.0], &mut into).is_err());
+}
+
+#[test]
+fn splines_that_run_on_over_a_boundary_err_little_more_than_within() {
+    let (whole, cut) = (module_map(vec![even(9); 2], 600), ending(9, false));
+    let [whole, cut] = [&whole, &cut].map(|map| ModuleModel::fit(map).unwrap());
+    assert!(cut.errors().position.count > 250);
+    assert!(
+        cut.errors().position.p95 < 2.0 * whole.errors().position.p95,
+        "{} {}",
+        cut.errors().position.p95,
+        whole.errors().position.p95
+    );
+    assert!(cut.errors().position.worst < 3.0 * whole.errors().position.worst);
 }

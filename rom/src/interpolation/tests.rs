@@ -1,4 +1,5 @@
 use super::*;
+use evaluator::OutsideGrid;
 
 /// Uneven nodes, finer towards the upper end.
 fn uneven(lower: f64, upper: f64, count: usize) -> Vec<f64> {
@@ -22,7 +23,7 @@ fn table<const OUT: usize>(nodes: &[Vec<f64>], function: impl Fn(&[f64]) -> [f64
 }
 
 fn fit<const OUT: usize>(nodes: &[Vec<f64>], function: impl Fn(&[f64]) -> [f64; OUT]) -> TensorSpline<OUT> {
-    TensorSpline::interpolate(nodes.to_vec(), table(nodes, function)).unwrap()
+    interpolate(nodes.to_vec(), table(nodes, function)).unwrap()
 }
 
 /// Points spread over the box of the nodes (additive recurrence with the plastic number's powers), ends included.
@@ -173,14 +174,75 @@ fn outside_is_an_error_and_never_an_extrapolation() {
 #[test]
 fn tables_that_do_not_fit_are_refused() {
     let nodes = || vec![vec![0.0, 1.0], vec![0.0, 1.0, 2.0]];
-    let wrong = TensorSpline::<1>::interpolate(nodes(), vec![[0.0]; 5]);
+    let wrong = interpolate::<1>(nodes(), vec![[0.0]; 5]);
     assert_eq!(wrong, Err(SplineError::Count { expected: 6, found: 5 }));
     let mut holed = vec![[0.0]; 6];
     holed[4] = [f64::NAN];
-    assert!(TensorSpline::interpolate(nodes(), holed).unwrap_err().to_string().contains("entry 4"));
-    assert_eq!(TensorSpline::<1>::interpolate(vec![], vec![]), Err(SplineError::Axes { count: 0 }));
-    assert!(TensorSpline::from_coefficients(nodes(), vec![[f64::INFINITY]; 6]).is_err());
+    assert!(interpolate(nodes(), holed).unwrap_err().to_string().contains("entry 4"));
+    assert_eq!(interpolate::<1>(vec![], vec![]), Err(SplineError::Axes { count: 0 }));
+    assert!(from_coefficients::<1>(nodes(), vec![f64::INFINITY; 6]).is_err());
     // Axes whose product would overflow.
-    let huge = SplineGrid::new(vec![(0..300).map(f64::from).collect(); 8]).unwrap();
-    assert!(huge.check_table(&[[0.0]], "coefficient").is_err());
+    assert!(grid(vec![(0..300).map(f64::from).collect(); 8]).is_err());
+}
+
+#[test]
+fn the_functions_are_a_partition_of_unity() {
+    for count in 1..9 {
+        let nodes: Vec<f64> = (0..count).map(|i| 3.0 + (i as f64).powf(1.4)).collect();
+        let along = axis(nodes, 0).unwrap();
+        let (lower, upper) = along.range();
+        for step in 0..=50 {
+            let x = lower + (upper - lower) * step as f64 / 50.0;
+            let (first, values, slopes) = along.values_and_slopes(x);
+            // Sums of four numbers of size one: a few units of rounding.
+            assert!((values.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+            assert!(slopes.iter().sum::<f64>().abs() < 1e-12);
+            assert!(first + along.degree() < count);
+            assert_eq!(along.derivatives(x, 0), (first, values));
+            for (a, b) in along.derivatives(x, 1).1.iter().zip(slopes) {
+                assert!((a - b).abs() < 1e-13);
+            }
+        }
+    }
+}
+
+#[test]
+fn bad_nodes_are_named() {
+    let message = |nodes: &[f64]| axis(nodes.to_vec(), 2).unwrap_err().to_string();
+    assert!(message(&[]).contains("axis 3 has no nodes"));
+    assert!(message(&[0.0, 1.0, 1.0]).contains("1 is followed by 1"));
+    assert!(message(&[0.0, 2.0, 1.0]).contains("2 is followed by 1"));
+    assert!(message(&[2.0, 1.0, 0.0]).contains("2 is followed by 1"));
+    assert!(message(&[0.0, f64::NAN]).contains("node 1"));
+    assert!(message(&[0.0, f64::INFINITY]).contains("node 1"));
+    // A range that overflows leaves no room between the scaled nodes.
+    assert!(message(&[-1e308, 0.0, 1e308]).contains("is followed by"));
+}
+
+#[test]
+fn the_hessian_is_the_derivative_of_the_gradient() {
+    let nodes: Vec<Vec<f64>> = [6, 5, 7].iter().map(|n| uneven(0.0, 1.0, *n)).collect();
+    let spline = fit(&nodes, |p| [(p[0] + 2.0 * p[1]).sin() * p[2], (p[0] * p[1] * p[2]).exp()]);
+    for point in points(&nodes, 20).into_iter().take(20) {
+        let mut hessian = [[0.0; 2]; 9];
+        spline.hessian(&point, &mut hessian).unwrap();
+        for (i, axis) in nodes.iter().enumerate() {
+            let h = 1e-6;
+            let gradient = |by: f64| {
+                let mut moved = point.clone();
+                moved[i] = (moved[i] + by).clamp(axis[0], axis[axis.len() - 1]);
+                let (mut value, mut gradient) = ([0.0; 2], [[0.0; 2]; 3]);
+                spline.evaluate(&moved, &mut value, &mut gradient).unwrap();
+                (moved[i], gradient)
+            };
+            let ((above, ahead), (below, behind)) = (gradient(h), gradient(-h));
+            for j in 0..3 {
+                for output in 0..2 {
+                    let difference = (ahead[j][output] - behind[j][output]) / (above - below);
+                    // Truncation h times third derivatives below 100.
+                    assert!((difference - hessian[3 * i + j][output]).abs() < 1e-4);
+                }
+            }
+        }
+    }
 }

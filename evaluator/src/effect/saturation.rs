@@ -1,6 +1,7 @@
 //! A supply that cannot give more than its own pressure: `p = min(u, p_s)`. No state.
 
 use super::Parameter;
+use crate::Real;
 
 /// `supply_kpa`: p_s.
 pub(super) const PARAMETERS: &[Parameter] = &[Parameter {
@@ -14,8 +15,8 @@ pub(super) const PARAMETERS: &[Parameter] = &[Parameter {
 }];
 
 /// min(u, p_s), Pa.
-pub(super) fn pressure(values: &[f64], command: f64) -> f64 {
-    command.min(values[0])
+pub(super) fn pressure<T: Real>(values: &[T], command: T) -> T {
+    command.lesser(values[0])
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! `q <- p + (q - p) exp(-dt/T)`. State: `q`, Pa; zero in an actuator that has rested.
 
 use super::Parameter;
+use crate::Real;
 
 /// `share`: c, without unit; `time_constant_s`: T.
 pub(super) const PARAMETERS: &[Parameter] = &[
@@ -21,7 +22,7 @@ pub(super) const PARAMETERS: &[Parameter] = &[
 ];
 
 /// The pressure (Pa) that the base model is to answer.
-pub(super) fn pressure(values: &[f64], memory: &mut f64, step: f64, pressure: f64) -> f64 {
+pub(super) fn pressure<T: Real>(values: &[T], memory: &mut T, step: T, pressure: T) -> T {
     *memory = pressure + (*memory - pressure) * (-step / values[1]).exp();
     pressure + values[0] * *memory
 }

@@ -4,6 +4,7 @@
 //! State: `p_max`, Pa; zero in a virgin actuator.
 
 use super::Parameter;
+use crate::Real;
 
 /// `softening`: m, without unit.
 pub(super) const PARAMETERS: &[Parameter] = &[Parameter {
@@ -17,9 +18,13 @@ pub(super) const PARAMETERS: &[Parameter] = &[Parameter {
 }];
 
 /// The pressure (Pa) that the base model is to answer.
-pub(super) fn pressure(values: &[f64], memory: &mut f64, pressure: f64) -> f64 {
-    *memory = memory.max(pressure);
-    if *memory <= 0.0 { pressure } else { pressure * (1.0 + values[0] * (1.0 - pressure / *memory)) }
+pub(super) fn pressure<T: Real>(values: &[T], memory: &mut T, pressure: T) -> T {
+    *memory = memory.greater(pressure);
+    if *memory <= T::ZERO {
+        pressure
+    } else {
+        pressure * (T::ONE + values[0] * (T::ONE - pressure / *memory))
+    }
 }
 
 #[cfg(test)]
@@ -28,7 +33,7 @@ mod tests {
 
     #[test]
     fn only_below_the_past_maximum() {
-        let mut memory = 0.0;
+        let mut memory = 0.0f64;
         assert_eq!(pressure(&[0.2], &mut memory, 5.0), 5.0);
         assert_eq!(pressure(&[0.2], &mut memory, 10.0), 10.0);
         assert!((pressure(&[0.2], &mut memory, 5.0) - 5.5).abs() < 1e-12);

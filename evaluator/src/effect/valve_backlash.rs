@@ -4,6 +4,7 @@
 //! apart. State: the pressure, Pa.
 
 use super::Parameter;
+use crate::Real;
 
 /// `radius_kpa`: r.
 pub(super) const PARAMETERS: &[Parameter] = &[Parameter {
@@ -17,7 +18,7 @@ pub(super) const PARAMETERS: &[Parameter] = &[Parameter {
 }];
 
 /// Pressure (Pa) that the regulator gives for a command (Pa).
-pub(super) fn pressure(values: &[f64], memory: &mut f64, command: f64) -> f64 {
+pub(super) fn pressure<T: Real>(values: &[T], memory: &mut T, command: T) -> T {
     *memory = super::hysteresis::play(values[0], *memory, command);
     *memory
 }

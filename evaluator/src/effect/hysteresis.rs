@@ -7,6 +7,7 @@
 //! State: `z`, Pa; a FREE that was never inflated has `z = 0`.
 
 use super::Parameter;
+use crate::Real;
 
 /// `radius_kpa`: r; `share`: w, without unit.
 pub(super) const PARAMETERS: &[Parameter] = &[
@@ -23,12 +24,12 @@ pub(super) const PARAMETERS: &[Parameter] = &[
 ];
 
 /// One step of the play operator: radius r (Pa), memory z (Pa), input p (Pa); returns the new z.
-pub(super) fn play(radius: f64, memory: f64, pressure: f64) -> f64 {
-    memory.clamp(pressure - radius, pressure + radius)
+pub(super) fn play<T: Real>(radius: T, memory: T, pressure: T) -> T {
+    memory.greater(pressure - radius).lesser(pressure + radius)
 }
 
 /// The pressure (Pa) that the base model is to answer.
-pub(super) fn pressure(values: &[f64], memory: &mut f64, pressure: f64) -> f64 {
+pub(super) fn pressure<T: Real>(values: &[T], memory: &mut T, pressure: T) -> T {
     *memory = play(values[0], *memory, pressure);
     pressure + values[1] * (*memory - pressure)
 }
@@ -36,6 +37,7 @@ pub(super) fn pressure(values: &[f64], memory: &mut f64, pressure: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::vec::Vec;
 
     fn drive(path: &[f64]) -> Vec<f64> {
         let mut memory = 0.0;

@@ -1,6 +1,7 @@
 //! Zero error of a pressure sensor: `reading = p + b`. A model that is driven by the reading must take `b` off. No state.
 
 use super::Parameter;
+use crate::Real;
 
 /// `bias_kpa`: b; positive = the sensor reads too much.
 pub(super) const PARAMETERS: &[Parameter] = &[Parameter {
@@ -14,12 +15,12 @@ pub(super) const PARAMETERS: &[Parameter] = &[Parameter {
 }];
 
 /// What the sensor shows at a pressure, Pa.
-pub(super) fn read(values: &[f64], pressure: f64) -> f64 {
+pub(super) fn read<T: Real>(values: &[T], pressure: T) -> T {
     pressure + values[0]
 }
 
 /// The pressure behind a reading, Pa: inverse of [`read`].
-pub(super) fn unread(values: &[f64], reading: f64) -> f64 {
+pub(super) fn unread<T: Real>(values: &[T], reading: T) -> T {
     reading - values[0]
 }
 
@@ -27,7 +28,7 @@ pub(super) fn unread(values: &[f64], reading: f64) -> f64 {
 mod tests {
     #[test]
     fn unread_is_the_inverse_of_read() {
-        let reading = super::read(&[1.5e3], 20e3);
+        let reading = super::read(&[1.5e3], 20e3f64);
         assert!((reading - 21.5e3).abs() < 1e-9);
         assert!((super::unread(&[1.5e3], reading) - 20e3).abs() < 1e-9);
     }

@@ -1,13 +1,12 @@
 //! The frame in which poses are read is not the base plate's: `pose_read = T_b pose`, `T_b = (exp([rx, ry, rz]x), [x, y, z])`. No state.
 
 use super::Parameter;
-use actuator::TipPose;
-use nalgebra::{UnitQuaternion, Vector3};
+use crate::{Pose, Real, chart::half_angle};
 
 const fn rotation(name: &'static str) -> Parameter {
     Parameter {
         name,
-        unit: std::f64::consts::PI / 180.0,
+        unit: core::f64::consts::PI / 180.0,
         neutral: 0.0,
         start: 0.0,
         lower: -0.6,
@@ -31,15 +30,14 @@ pub(super) const PARAMETERS: &[Parameter] = &[
 ];
 
 /// The transformation of the six values.
-pub(super) fn transformation(values: &[f64]) -> TipPose {
-    TipPose {
-        position: Vector3::new(values[3], values[4], values[5]),
-        rotation: UnitQuaternion::from_scaled_axis(Vector3::new(values[0], values[1], values[2])),
-    }
+pub(super) fn transformation<T: Real, D: Real + From<T>>(values: &[T]) -> Pose<D> {
+    let [rx, ry, rz, x, y, z] = core::array::from_fn(|index| D::from(values[index]));
+    let (w, per_angle) = half_angle(rx * rx + ry * ry + rz * rz);
+    Pose { position: [x, y, z], rotation: [w, per_angle * rx, per_angle * ry, per_angle * rz] }
 }
 
 /// T_b pose.
-pub(super) fn pose(values: &[f64], pose: &TipPose) -> TipPose {
+pub(super) fn pose<T: Real, D: Real + From<T>>(values: &[T], pose: &Pose<D>) -> Pose<D> {
     transformation(values).compose(pose)
 }
 
@@ -49,10 +47,12 @@ mod tests {
 
     #[test]
     fn a_quarter_turn_about_x_lays_the_module_down() {
-        let at_rest =
-            TipPose { position: Vector3::new(0.0, 0.0, 0.175), rotation: UnitQuaternion::identity() };
-        let read = pose(&[std::f64::consts::FRAC_PI_2, 0.0, 0.0, 0.01, 0.0, 0.0], &at_rest);
-        assert!((read.position - Vector3::new(0.01, -0.175, 0.0)).norm() < 1e-15);
-        assert!((read.rotation.scaled_axis().x - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+        let at_rest = Pose { position: [0.0, 0.0, 0.175f64], rotation: [1.0, 0.0, 0.0, 0.0] };
+        let quarter = core::f64::consts::FRAC_PI_2;
+        let read = pose(&[quarter, 0.0, 0.0, 0.01, 0.0, 0.0], &at_rest);
+        for (value, expected) in read.position.into_iter().zip([0.01, -0.175, 0.0]) {
+            assert!((value - expected).abs() < 1e-15);
+        }
+        assert!((read.rotation[1] - (0.5 * quarter).sin()).abs() < 1e-15);
     }
 }

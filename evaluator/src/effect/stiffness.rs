@@ -6,6 +6,7 @@
 //! Limits: the fibres' EA is scaled along with the rubber, which changes twist by less than 0.5 % for a change of 50 %. No state.
 
 use super::Parameter;
+use crate::Real;
 
 /// `change`: a, without unit; 0.1 = ten per cent stiffer.
 pub(super) const PARAMETERS: &[Parameter] = &[Parameter {
@@ -19,14 +20,14 @@ pub(super) const PARAMETERS: &[Parameter] = &[Parameter {
 }];
 
 /// p/(1 + a), Pa.
-pub(super) fn pressure(values: &[f64], pressure: f64) -> f64 {
-    pressure / (1.0 + values[0])
+pub(super) fn pressure<T: Real>(values: &[T], pressure: T) -> T {
+    pressure / (T::ONE + values[0])
 }
 
 #[cfg(test)]
 mod tests {
     #[test]
     fn a_quarter_stiffer_needs_a_quarter_more_pressure() {
-        assert!((super::pressure(&[0.25], 50e3) - 40e3).abs() < 1e-9);
+        assert!((super::pressure(&[0.25], 50e3f64) - 40e3).abs() < 1e-9);
     }
 }

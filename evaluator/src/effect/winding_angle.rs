@@ -6,7 +6,7 @@ use super::Parameter;
 /// `change_deg`: delta; positive = more along the tube.
 pub(super) const PARAMETERS: &[Parameter] = &[Parameter {
     name: "change_deg",
-    unit: std::f64::consts::PI / 180.0,
+    unit: core::f64::consts::PI / 180.0,
     neutral: 0.0,
     start: 0.0,
     lower: -0.07,

@@ -1,0 +1,225 @@
+use crate::{Axis, DEGREE, Real};
+use core::{array, fmt};
+
+/// Greatest number of axes of a spline.
+pub const MAX_AXES: usize = 8;
+
+/// A point outside the box of a spline's nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutsideGrid<T> {
+    /// Which coordinate.
+    pub axis: usize,
+    /// Its value.
+    pub value: T,
+    /// First node.
+    pub lower: T,
+    /// Last node.
+    pub upper: T,
+}
+
+impl<T: fmt::Display> fmt::Display for OutsideGrid<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let OutsideGrid { axis, value, lower, upper } = self;
+        write!(f, "coordinate {} is {value}, outside {lower} to {upper}", axis + 1)
+    }
+}
+
+impl<T: fmt::Debug + fmt::Display> core::error::Error for OutsideGrid<T> {}
+
+/// The axes of a table and where its entries stand, last axis fastest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SplineGrid<T, R> {
+    axes: [Axis<T, R>; MAX_AXES],
+    strides: [usize; MAX_AXES],
+    dimension: usize,
+    node_count: usize,
+}
+
+/// The B-splines of one axis at a point.
+#[derive(Clone, Copy, Debug, Default)]
+struct AxisBasis<T> {
+    /// Place of the first coefficient, along this axis alone.
+    offset: usize,
+    stride: usize,
+    functions: usize,
+    values: [T; DEGREE + 1],
+    slopes: [T; DEGREE + 1],
+}
+
+/// The B-splines of all axes at a point: what every table on the same grid shares.
+#[derive(Clone, Copy, Debug)]
+pub struct PointBasis<T> {
+    axes: [AxisBasis<T>; MAX_AXES],
+    dimension: usize,
+}
+
+impl<T: Real, R: AsRef<[T]> + Default> SplineGrid<T, R> {
+    /// A grid of 1 to [`MAX_AXES`] axes; `None` for another number, or where the nodes are too many to count.
+    pub fn new(axes: impl IntoIterator<Item = Axis<T, R>>) -> Option<Self> {
+        let mut given = axes.into_iter();
+        let mut dimension = 0;
+        let axes = array::from_fn(|_| {
+            let axis = given.next();
+            dimension += usize::from(axis.is_some());
+            axis.unwrap_or_default()
+        });
+        if dimension == 0 || given.next().is_some() {
+            return None;
+        }
+        let mut strides = [1; MAX_AXES];
+        let mut node_count = 1usize;
+        for (stride, axis) in strides[..dimension].iter_mut().zip(&axes).rev() {
+            *stride = node_count;
+            node_count = node_count.checked_mul(axis.nodes().len())?;
+        }
+        Some(SplineGrid { axes, strides, dimension, node_count })
+    }
+}
+
+impl<T: Real, R: AsRef<[T]>> SplineGrid<T, R> {
+    /// The axes.
+    pub fn axes(&self) -> &[Axis<T, R>] {
+        &self.axes[..self.dimension]
+    }
+
+    /// Distance in a table between neighbours along each axis.
+    pub fn strides(&self) -> &[usize] {
+        &self.strides[..self.dimension]
+    }
+
+    /// Number of nodes in all, which is also the number of coefficients.
+    pub fn node_count(&self) -> usize {
+        self.node_count
+    }
+
+    /// The first coordinate that lies outside, or is not a number.
+    ///
+    /// # Panics
+    /// When the point does not have one coordinate per axis.
+    pub fn check(&self, point: &[T]) -> Result<(), OutsideGrid<T>> {
+        assert_eq!(point.len(), self.dimension, "a point has one coordinate per axis");
+        for (index, (axis, value)) in self.axes().iter().zip(point).enumerate() {
+            let (lower, upper) = axis.range();
+            if !(lower <= *value && *value <= upper) {
+                return Err(OutsideGrid { axis: index, value: *value, lower, upper });
+            }
+        }
+        Ok(())
+    }
+
+    /// The B-splines at a point inside, to be used with any table on this grid.
+    ///
+    /// # Panics
+    /// When the point does not have one coordinate per axis.
+    #[inline]
+    pub fn locate(&self, point: &[T]) -> Result<PointBasis<T>, OutsideGrid<T>> {
+        self.check(point)?;
+        let mut basis = PointBasis { axes: [AxisBasis::default(); MAX_AXES], dimension: self.dimension };
+        for (((axis, stride), x), into) in
+            self.axes().iter().zip(&self.strides).zip(point).zip(&mut basis.axes)
+        {
+            let (first, values, slopes) = axis.values_and_slopes(*x);
+            let functions = axis.degree() + 1;
+            *into = AxisBasis { offset: first * stride, stride: *stride, functions, values, slopes };
+        }
+        Ok(basis)
+    }
+
+    /// As [`SplineGrid::locate`], of the mixed partial derivative of the given order along each axis (0 = not differentiated): its
+    /// values are what [`PointBasis::value`] sums.
+    ///
+    /// # Panics
+    /// When the point or the orders are not as many as there are axes.
+    pub fn locate_partial(&self, point: &[T], orders: &[usize]) -> Result<PointBasis<T>, OutsideGrid<T>> {
+        assert_eq!(orders.len(), self.dimension, "there is one order per axis");
+        let mut basis = self.locate(point)?;
+        for (((axis, x), order), into) in self.axes().iter().zip(point).zip(orders).zip(&mut basis.axes) {
+            into.values = axis.derivatives(*x, *order).1;
+        }
+        Ok(basis)
+    }
+}
+
+#[inline]
+fn add_scaled<T: Real, const OUT: usize>(into: &mut [T; OUT], factor: T, from: &[T; OUT]) {
+    for (sum, value) in into.iter_mut().zip(from) {
+        *sum += factor * *value;
+    }
+}
+
+impl<T: Real> PointBasis<T> {
+    /// Value of the spline with these coefficients, and `gradient[axis]` = its derivatives along each axis.
+    ///
+    /// # Panics
+    /// When the coefficients are not those of the basis's grid, or `gradient` is not as long as there are axes.
+    #[inline]
+    pub fn value_and_gradient<const OUT: usize>(
+        &self,
+        coefficients: &[[T; OUT]],
+        value: &mut [T; OUT],
+        gradient: &mut [[T; OUT]],
+    ) {
+        contract(&self.axes[..self.dimension], coefficients, 0, value, gradient);
+    }
+
+    /// Value alone of the spline with these coefficients.
+    ///
+    /// # Panics
+    /// When the coefficients are not those of the basis's grid.
+    #[inline]
+    pub fn value<const OUT: usize>(&self, coefficients: &[[T; OUT]]) -> [T; OUT] {
+        contract_value(&self.axes[..self.dimension], coefficients, 0)
+    }
+}
+
+/// Sums over the axes from the last to the first: v = sum_j B_j v_j, dv/dx = sum_j B'_j v_j, and the derivatives along later
+/// axes are summed like values. All partial sums are on the stack.
+fn contract<T: Real, const OUT: usize>(
+    axes: &[AxisBasis<T>],
+    coefficients: &[[T; OUT]],
+    offset: usize,
+    value: &mut [T; OUT],
+    gradient: &mut [[T; OUT]],
+) {
+    let (axis, rest) = axes.split_first().expect("a basis has at least one axis");
+    let start = offset + axis.offset;
+    *value = [T::ZERO; OUT];
+    gradient.fill([T::ZERO; OUT]);
+    if rest.is_empty() {
+        // The last axis is contiguous; nearly all of the time goes here.
+        let line = &coefficients[start..start + axis.functions];
+        let mut slope = [T::ZERO; OUT];
+        for ((entry, b), db) in line.iter().zip(axis.values).zip(axis.slopes) {
+            add_scaled(value, b, entry);
+            add_scaled(&mut slope, db, entry);
+        }
+        gradient[0] = slope;
+        return;
+    }
+    let mut inner = [T::ZERO; OUT];
+    let mut inner_gradient = [[T::ZERO; OUT]; MAX_AXES];
+    let inner_gradient = &mut inner_gradient[..rest.len()];
+    for function in 0..axis.functions {
+        contract(rest, coefficients, start + function * axis.stride, &mut inner, inner_gradient);
+        add_scaled(value, axis.values[function], &inner);
+        add_scaled(&mut gradient[0], axis.slopes[function], &inner);
+        for (into, from) in gradient[1..].iter_mut().zip(inner_gradient.iter()) {
+            add_scaled(into, axis.values[function], from);
+        }
+    }
+}
+
+fn contract_value<T: Real, const OUT: usize>(
+    axes: &[AxisBasis<T>],
+    coefficients: &[[T; OUT]],
+    offset: usize,
+) -> [T; OUT] {
+    let mut value = [T::ZERO; OUT];
+    let Some((axis, rest)) = axes.split_first() else { return coefficients[offset] };
+    let start = offset + axis.offset;
+    for function in 0..axis.functions {
+        let inner = contract_value(rest, coefficients, start + function * axis.stride);
+        add_scaled(&mut value, axis.values[function], &inner);
+    }
+    value
+}
