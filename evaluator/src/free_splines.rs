@@ -1,4 +1,7 @@
-use crate::{Axis, Real, TensorSpline};
+use crate::{
+    Axis, Real, TensorSpline,
+    effect::{Chain, Effect},
+};
 use core::fmt;
 
 /// A point at which a FREE's model has no answer.
@@ -253,5 +256,37 @@ impl<T: Real, R: AsRef<[T]>> FreeSplines<T, R> {
         }
         let [axial_stretch, expansion, twist_per_length] = value;
         Ok(FreeEvaluation { axial_stretch, expansion, twist_per_length, jacobian })
+    }
+
+    /// Deformation and derivatives at the end of `step` seconds at a pressure (Pa) in the FREE, with the effects, whose memory goes on;
+    /// what it remembers of the past is held fixed in the derivatives. Winding angle (rad) and shear modulus (Pa) are those before
+    /// the effects.
+    ///
+    /// # Errors
+    /// Where the model has no answer; the memory has then gone on all the same.
+    ///
+    /// # Panics
+    /// When the chain is not of one FREE, or `memory` is shorter than [`Chain::memory`].
+    pub fn evaluate_after<'e, I>(
+        &self,
+        chain: &Chain<I>,
+        memory: &mut [T],
+        step: T,
+        pressure: T,
+        winding_angle: T,
+        shear_modulus: T,
+    ) -> Result<FreeEvaluation<T>, OutsideFree<T>>
+    where
+        T: 'e,
+        I: Iterator<Item = Effect<'e, T>> + Clone,
+    {
+        let (mut answered, mut gain) = ([pressure], [T::ONE]);
+        chain.deform_with_gains(memory, step, &mut answered, &mut gain);
+        let angle = winding_angle + chain.winding_angle();
+        let mut found = self.evaluate(answered[0], angle, shear_modulus, T::ZERO)?;
+        for slope in &mut found.jacobian[0] {
+            *slope *= gain[0];
+        }
+        Ok(found)
     }
 }

@@ -47,6 +47,8 @@ pub struct TipEvaluation<T> {
     /// `jacobian[free]` = the pose's rate per Pa of the pressure in a FREE: position (m), then the angular rate in the plate's frame (rad).
     /// What an effect remembers of the past is held fixed.
     pub jacobian: [[T; 6]; MAX_AXES],
+    /// The pressures (Pa) that the splines answered, after the effects: those at which clearance and error bars are to be looked up.
+    pub answered: [T; MAX_AXES],
 }
 
 impl<T: Real, R: AsRef<[T]>> TipModel<T, R> {
@@ -97,6 +99,6 @@ impl<T: Real, R: AsRef<[T]>> TipModel<T, R> {
                 }
             }
         }
-        Ok(TipEvaluation { pose, jacobian })
+        Ok(TipEvaluation { pose, jacobian, answered })
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! The checks are in `tests/tests`; here is how they run the program and read what it prints.
 
+pub mod images;
 pub mod plateau;
 pub mod um_module;
 

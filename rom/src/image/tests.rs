@@ -57,6 +57,7 @@ fn an_image_answers_as_the_model_with_its_effects() {
         // The same by the lists that own their numbers.
         let mut answered = pressures;
         model.effects.deform(&mut state, 0.01, &mut answered);
+        assert_eq!(found.answered[..2], answered);
         splines.evaluate(&answered, &mut into).unwrap();
         let loads = model.effects.loads(hanging_mass(splines.module()));
         let factors = splines.parameters().iter().map(|parameter| match parameter {
@@ -149,6 +150,46 @@ fn a_free_s_image_answers_as_its_model() {
     let free = model.as_free().unwrap();
     assert_eq!(splines.evaluate(9e3, 0.7, 0.3e6, 0.0), free.evaluate(9e3, 0.7, 0.3e6));
     assert!(model.image::<f32>().is_ok());
+}
+
+#[test]
+fn a_free_s_image_answers_with_its_effects() {
+    let map = free_map(vec![0.4, 0.8, 1.2], vec![0.2e6, 0.4e6], 12, None);
+    let provenance = Provenance::new(&map, &map.source, &map.settings).unwrap();
+    let mut model = Model::new(ModelContent::Free(crate::FreeModel::fit(&map).unwrap()), provenance);
+    let effects: [(EffectKind, &[f64]); 3] = [
+        (EffectKind::WindingAngle, &[0.02]),
+        (EffectKind::Creep, &[0.1, 30.0]),
+        (EffectKind::Mismatch, &[0.05]),
+    ];
+    model.effects.effects =
+        effects.map(|(kind, values)| Effect { kind, frees: vec![0], values: values.to_vec() }).to_vec();
+    let words = aligned(&model.image::<f64>().unwrap());
+    let image = Image::<f64>::read(bytemuck::cast_slice(&words)).unwrap();
+    let Content::Free { splines, .. } = &image.content else { panic!("it is of a FREE") };
+    let chain = image.effects.chain();
+    let mut memory = vec![0.0; chain.memory()];
+    let mut state = model.effects.at_rest(1);
+    for pressure in [4e3, 9e3, 6e3] {
+        let held = memory.clone();
+        let found = splines.evaluate_after(&chain, &mut memory, 2.0, pressure, 0.7, 0.3e6).unwrap();
+        let mut answered = [pressure];
+        model.effects.deform(&mut state, 2.0, &mut answered);
+        let mut expected = model.as_free().unwrap().evaluate(answered[0], 0.7 + 0.02, 0.3e6).unwrap();
+        let base = expected.jacobian[0];
+        expected.jacobian[0] = found.jacobian[0];
+        assert_eq!(found, expected);
+        assert_ne!(found.jacobian[0], base);
+        let at = |by: f64| {
+            splines.evaluate_after(&chain, &mut held.clone(), 2.0, pressure + by, 0.7, 0.3e6).unwrap()
+        };
+        let (ahead, behind) = (at(1.0), at(-1.0));
+        let rate = |of: fn(&evaluator::FreeEvaluation<f64>) -> f64| (of(&ahead) - of(&behind)) / 2.0;
+        let rates = [rate(|at| at.axial_stretch), rate(|at| at.expansion), rate(|at| at.twist_per_length)];
+        for (rate, slope) in rates.iter().zip(found.jacobian[0]) {
+            assert!((rate - slope).abs() <= 1e-6 * slope.abs(), "{rate} {slope}");
+        }
+    }
 }
 
 #[test]
