@@ -65,7 +65,7 @@ fn compare(
     let axes = vec![vec![0.0, 1.05 * PRESSURES[3]]; module.frees.len()];
     let start = Instant::now();
     let sections = sweep.section_laws(module, &axes, &run)?.ok_or("stopped")?;
-    let bending = sweep.bending_laws(module, &sections, &run)?.ok_or("stopped")?;
+    let bending = sweep.bending_laws(module, &axes, &run)?.ok_or("stopped")?;
     let laws = sections.into_iter().zip(bending).map(|(section, bending)| RodLaw { section, bending });
     let rods = RodModule::new(module, laws.collect(), RodSettings::default())?;
     let rod_rest = rods.rest()?;

@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let start = Instant::now();
     let sections = sweep.section_laws(&module, &axes, &run)?.ok_or("stopped")?;
     let tabulated = start.elapsed().as_secs_f64();
-    let solids = sweep.bending_laws(&module, &sections, &run)?.ok_or("stopped")?;
+    let solids = sweep.bending_laws(&module, &axes, &run)?.ok_or("stopped")?;
     println!(
         "section laws {tabulated:.1} s, bending laws {:.1} s",
         start.elapsed().as_secs_f64() - tabulated

@@ -10,7 +10,7 @@ use actuator::{
 };
 use fe::{
     BendingLaw, BendingSweep, ConstantBending, RodLaw, RodModule, RodSettings, Run, SectionLaw, SectionMesh,
-    SectionSolver, SectionTable, SolidLoad, SolidMesh, SolidSolver, Specimen, TableGrid, TipLoad,
+    SectionSolver, SolidLoad, SolidMesh, SolidSolver, SolvedSection, Specimen, TipLoad,
 };
 use nalgebra::{UnitQuaternion, Vector3};
 use std::{
@@ -43,15 +43,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let run = Run { jobs: 2, progress: &|_, _| (), stop: &stop };
     let start = Instant::now();
     let mesh = SectionMesh { radial: 2, under_fibre: 1, between_fibres: 2 };
-    let mut solver = SectionSolver::new(&free, mesh)?;
-    let path = solver.path(&pressures, 8)?;
-    let grid = TableGrid::for_free(&free, &path, top);
-    let provider = move |p: f64, stretch: f64, twist: f64| solver.respond(p, stretch, twist).ok();
-    let section: Arc<dyn SectionLaw> = Arc::new(SectionTable::tabulate(grid, &provider, &run)?);
-    let section_time = start.elapsed().as_secs_f64();
-    let start = Instant::now();
+    let section: Arc<dyn SectionLaw> = Arc::new(SolvedSection::from(SectionSolver::new(&free, mesh)?));
     let tabulated = BendingSweep::default().tabulate(&free, top, &run)?.ok_or("stopped")?;
-    println!("section law {section_time:.1} s, bending law {:.1} s", start.elapsed().as_secs_f64());
+    println!("bending law {:.1} s", start.elapsed().as_secs_f64());
     let laws: [(&str, Arc<dyn BendingLaw>); 2] =
         [("3 mu I", Arc::new(ConstantBending::of_bare_tube(&free))), ("law", Arc::new(tabulated))];
     let module = Module {

@@ -2,8 +2,9 @@ use crate::{
     SectionLaw, SectionResponse,
     jet::Jet,
     material::{InvariantDerivatives, InvariantEnergy, Rubber},
+    smeared_threads::SmearedThreads,
 };
-use actuator::{FibreLaw, Free, FreeState};
+use actuator::{Free, FreeState};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
 
@@ -27,18 +28,7 @@ pub struct ThickTube {
     stress_unit: f64,
     /// Radii squared over A^2 and weights (2 pi R dR) of the integration through the wall.
     points: Vec<(f64, f64)>,
-    fibres: Option<SmearedFibres>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct SmearedFibres {
-    /// n EA sqrt(B^2 k^2 + 1), N.
-    stiffness: f64,
-    /// B k.
-    turn: f64,
-    law: FibreLaw,
-    /// Length of a thread over that of its helix at rest, minus one.
-    slack: f64,
+    threads: Option<SmearedThreads>,
 }
 
 /// A state of the tube: squared inner radius over A^2, stretch, twist times B.
@@ -66,20 +56,14 @@ impl ThickTube {
     /// The tube of a FREE with its fibres smeared.
     pub fn new(free: &Free) -> Self {
         let mut tube = Self::bare(free);
-        let turn = free.winding.turn_per_length(tube.outer_radius) * tube.outer_radius;
-        let fibre = free.winding.fibre;
-        let stiffness = free.winding.fibres as f64 * fibre.axial_stiffness * (turn * turn + 1.0).sqrt();
-        tube.fibres = Some(SmearedFibres { stiffness, turn, law: fibre.law, slack: 0.0 });
+        tube.threads = Some(SmearedThreads::of(free));
         tube
     }
 
     /// The tube with its threads wound loosely: longer than their helix at rest by this share of it. Threads that carry tension only
     /// do nothing before the tube has filled them.
     pub fn with_slack(mut self, slack: f64) -> Self {
-        if let Some(fibres) = &mut self.fibres {
-            fibres.stiffness *= (1.0 + slack) / (1.0 + fibres.slack);
-            fibres.slack = slack;
-        }
+        self.threads = self.threads.map(|threads| threads.with_slack(slack));
         self
     }
 
@@ -99,7 +83,7 @@ impl ThickTube {
             rubber: free.elastomer.into(),
             stress_unit: free.elastomer.initial_shear_modulus(),
             points,
-            fibres: None,
+            threads: None,
         }
     }
 
@@ -119,17 +103,10 @@ impl ThickTube {
             let shear = x * twist2 * ratio2;
             total = total + self.energy(radial, hoop, shear, stretch2) * weight;
         }
-        if let Some(fibres) = self.fibres {
-            // (b/B)^2
-            let outer = (area + shrink * (1.0 / ratio2 - 1.0)) * ratio2;
-            let turned = twist + Jet::constant(fibres.turn);
-            let length2 = (fibres.turn * fibres.turn + 1.0) * (1.0 + fibres.slack).powi(2);
-            let elongation =
-                ((outer * turned * turned + stretch2) * (1.0 / length2)).powf(0.5) - Jet::constant(1.0);
-            if fibres.law == FibreLaw::Linear || elongation.value > 0.0 {
-                total = total + elongation * elongation * (0.5 * fibres.stiffness);
-            }
-        }
+        // (b/B)^2
+        let outer = (area + shrink * (1.0 / ratio2 - 1.0)) * ratio2;
+        let threads = self.threads.and_then(|threads| threads.energy(outer, stretch, twist));
+        total = threads.map_or(total, |threads| total + threads);
         total - area * stretch * (pressure * PI * a2)
     }
 

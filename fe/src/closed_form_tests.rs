@@ -1,5 +1,5 @@
 use super::*;
-use actuator::{Elastomer, Fibre, Handedness, OgdenForm, OgdenTerm, OgdenTerms, Tube, Winding};
+use actuator::{Elastomer, Fibre, FibreLaw, Handedness, OgdenForm, OgdenTerm, OgdenTerms, Tube, Winding};
 
 /// The specimen of the published study: 9.52 mm tube with a 0.8 mm wall, six linear fibres of 644 N.
 fn specimen(angle_deg: f64, shear_modulus: f64, axial_stiffness: f64, alpha: f64) -> Free {

@@ -28,6 +28,7 @@ mod rod_stiffness;
 mod run;
 mod section;
 mod section_law;
+mod smeared_threads;
 mod solid;
 mod solid_map;
 mod solid_module;
@@ -58,7 +59,10 @@ pub use rod::{
 };
 pub use rod_stiffness::{RodCompliance, StraightRod};
 pub use run::{Run, Shard};
-pub use section::{BlockedSection, PathRequest, SectionError, SectionMesh, SectionSolver, Whereabouts};
+pub use section::{
+    BlockedSection, PathRequest, SectionError, SectionMesh, SectionSolver, SolvedSection, WallResponse,
+    Whereabouts,
+};
 pub use section_law::{SectionLaw, SectionResponse};
 pub use solid::{
     Branches, Coat, CriticalKind, CriticalPoint, Deformation, FibreModel, Plane, PressureLimit, SolidCost,

@@ -81,8 +81,8 @@ impl ModuleSweep {
         Ok(paths.unwrap_or_default())
     }
 
-    /// Section law of each FREE, tabulated up to its greatest pressure or its limit pressure; FREEs of one section share it. `None` where the
-    /// run was stopped.
+    /// Section law of each FREE, for where it comes up to its greatest pressure; FREEs of one section share it. `None` where the run was
+    /// stopped.
     ///
     /// # Errors
     /// [`ModuleSweepError`] where a section cannot be solved.
@@ -95,12 +95,8 @@ impl ModuleSweep {
         let paths = self.free_paths(module, pressures)?;
         let tops: Vec<f64> = pressures.iter().map(|axis| greatest(axis)).collect();
         each_section(module, &tops, |free, section, top| {
-            let top = paths[free].limit_pressure().map_or(top, |limit| top.min(limit));
-            let mut solver = SectionSolver::new(section, self.mesh)
-                .map_err(|source| ModuleSweepError::Section { free, source })?;
             let grid = TableGrid::for_free(section, &paths[free], top);
-            let provider = move |p: f64, stretch: f64, twist: f64| solver.respond(p, stretch, twist).ok();
-            match SectionTable::tabulate(grid, &provider, run) {
+            match SectionTable::new(section, grid, self.mesh, run) {
                 Err(TableError::Stopped) => Ok(None),
                 Err(source) => Err(ModuleSweepError::Table { free, source }),
                 Ok(table) => Ok(Some(Arc::new(table))),
@@ -108,19 +104,22 @@ impl ModuleSweep {
         })
     }
 
-    /// Bending law of each FREE up to the greatest pressure of its section law; FREEs of one section share it. `None` where the run
-    /// was stopped.
+    /// Bending law of each FREE up to its greatest pressure or its limit pressure; FREEs of one section share it. `None` where the run was
+    /// stopped.
     ///
     /// # Errors
     /// [`ModuleSweepError::Bending`] where a FREE's solids cannot be solved.
     pub fn bending_laws(
         &self,
         module: &Module,
-        sections: &[Arc<SectionTable>],
+        pressures: &[Vec<f64>],
         run: &Run<'_>,
     ) -> Result<Option<Vec<Arc<dyn BendingLaw>>>, ModuleSweepError> {
-        let greatest = sections.iter().map(|section| greatest(&section.grid().pressures));
-        bending_laws(module, &greatest.collect::<Vec<_>>(), self.bending, run)
+        let top = |(axis, path): (&Vec<f64>, &FreePath)| {
+            path.limit_pressure().map_or(greatest(axis), |limit| limit.min(greatest(axis)))
+        };
+        let tops: Vec<f64> = pressures.iter().zip(&self.free_paths(module, pressures)?).map(top).collect();
+        bending_laws(module, &tops, self.bending, run)
     }
 
     /// Section and bending law of each FREE; `None` where the run was stopped.
@@ -134,7 +133,7 @@ impl ModuleSweep {
         run: &Run<'_>,
     ) -> Result<Option<Vec<RodLaw>>, ModuleSweepError> {
         let Some(sections) = self.section_laws(module, pressures, run)? else { return Ok(None) };
-        let Some(bending) = self.bending_laws(module, &sections, run)? else { return Ok(None) };
+        let Some(bending) = self.bending_laws(module, pressures, run)? else { return Ok(None) };
         let laws = sections.into_iter().zip(bending).map(|(section, bending)| RodLaw { section, bending });
         Ok(Some(laws.collect()))
     }
@@ -150,3 +149,7 @@ impl ModuleSweep {
         Ok(Some(RodModule::new(module, laws, self.rods)?))
     }
 }
+
+#[cfg(test)]
+#[path = "module_laws_tests.rs"]
+mod tests;

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{
     BendingLaw, BendingSweep, ConstantBending, RodCompliance, Run, SectionLaw, SectionMesh, SectionResponse,
-    SectionSolver, SolidLoad, SolidMesh, SolidSolver, Specimen, StraightRod,
+    SectionSolver, SolidLoad, SolidMesh, SolidSolver, SolvedSection, Specimen, StraightRod,
 };
 use actuator::{
     Base, Elastomer, Fibre, FibreLaw, Free, Handedness, Module, OgdenForm, PlacedFree, Tip, Tube, Winding,
@@ -124,17 +124,7 @@ fn a_rod_is_the_solid_of_its_free() {
     let bending = BendingSweep { planes: 4, ..BendingSweep::default() }.tabulate(&free, 3.6e4, &run);
     let bending: Arc<dyn BendingLaw> = Arc::new(bending.unwrap().unwrap());
     let mesh = SectionMesh { radial: 2, under_fibre: 1, between_fibres: 2 };
-    let mut solver = SectionSolver::new(&free, mesh).unwrap();
-    let last = solver.path(&pressures, 0).unwrap().states[3];
-    let grid = TableGrid {
-        pressures: vec![0.0, 0.6e4, 1.2e4, 2.4e4, 3.6e4],
-        stretch: (0.96, 0.04 + last.axial_stretch, 5),
-        sigma: (1.3 * last.twist_per_length, -0.6 * last.twist_per_length, 9),
-        shear: 0.0,
-        drift: 0.0,
-    };
-    let provider = move |p: f64, stretch: f64, twist: f64| solver.respond(p, stretch, twist).ok();
-    let section = Arc::new(SectionTable::tabulate(grid, &provider, &run).unwrap());
+    let section = Arc::new(SolvedSection::from(SectionSolver::new(&free, mesh).unwrap()));
     let law = RodLaw { section, bending };
     let mesh = SolidMesh::new(12, 70);
     let specimen = Specimen::from(&free);

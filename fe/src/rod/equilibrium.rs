@@ -101,7 +101,7 @@ pub enum RodError {
         last: Box<Configuration>,
     },
     /// A section is stretched or twisted beyond what its law was made for.
-    #[error("FREE {} at {:.2} kPa is stretched to {axial_stretch:.4} and twisted by {twist_per_length:.2} rad/m (right-handed), outside its section law (which ends at the FREE's own limit pressure); stay below these pressures", free + 1, pressure / 1e3)]
+    #[error("FREE {} at {:.2} kPa is stretched to {axial_stretch:.4} and twisted by {twist_per_length:.2} rad/m (right-handed), outside its section law; stay below these pressures", free + 1, pressure / 1e3)]
     OutsideSectionLaw {
         /// Index of the FREE.
         free: usize,

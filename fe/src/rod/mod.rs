@@ -20,12 +20,14 @@ mod module;
 #[cfg(test)]
 mod module_tests;
 mod path;
+mod section_table;
 mod settings;
 mod settle;
 #[cfg(test)]
 mod specimens;
 mod system;
-mod table;
+mod table_grid;
+mod wall_table;
 
 pub use critical::Buckling;
 pub use equilibrium::{Configuration, Equilibrium, RodError};
@@ -33,8 +35,10 @@ pub use held::HeldModule;
 pub use idle_pressure::IdlePressure;
 pub use mode::BucklingMode;
 pub use module::{RodLaw, RodModule};
+pub use section_table::SectionTable;
 pub use settings::RodSettings;
-pub use table::{SectionTable, TableError, TableGrid};
+pub use table_grid::TableGrid;
+pub use wall_table::TableError;
 
 #[cfg(test)]
 use crate::TipLoad;

@@ -1,5 +1,5 @@
 use super::{specimens::*, *};
-use crate::{SectionLaw, ThickTube};
+use crate::{SectionLaw, SectionMesh, ThickTube};
 use actuator::{Base, Handedness, Module, PoseChart};
 use nalgebra::Vector3;
 use std::{f64::consts::PI, sync::Arc};
@@ -240,14 +240,15 @@ fn a_wrong_question_is_refused_with_numbers() {
 #[test]
 fn a_tabulated_law_places_the_tip_like_the_law_itself() {
     let module = left_right([0.0, 0.0, 1.0]);
-    let tube = ThickTube::new(&free(30.0, Handedness::Right));
+    let free = free(30.0, Handedness::Right);
+    let tube = ThickTube::new(&free);
     let states = (0..=8).map(|i| tube.free_state(5e4 * i as f64 / 8.0).unwrap()).collect();
     let path = actuator::FreePath::solved(states, actuator::PathEnd::Range);
-    let grid = TableGrid::for_free(&free(30.0, Handedness::Right), &path, 5e4);
+    let grid = TableGrid::for_free(&free, &path, 5e4);
     let stop = std::sync::atomic::AtomicBool::new(false);
     let run = crate::Run { jobs: 2, progress: &|_, _| (), stop: &stop };
-    let law = tube.clone();
-    let table = SectionTable::tabulate(grid, &move |p, l, t| law.section(p, l, t), &run).unwrap();
+    let mesh = SectionMesh { radial: 2, under_fibre: 1, between_fibres: 1 };
+    let table = SectionTable::new(&free, grid, mesh, &run).unwrap();
     let settings = RodSettings { bending_stiffness_scale: 2.5, ..RodSettings::default() };
     let tabulated = with_sections(&module, vec![Arc::new(table) as Arc<dyn SectionLaw>; 4], settings);
     let exact = analytic(&module, settings);

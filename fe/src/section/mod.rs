@@ -12,14 +12,18 @@ mod path;
 mod path_request;
 mod problem;
 mod resolution;
+mod solved;
 mod solver;
 mod station;
 mod system;
 #[cfg(test)]
 pub(crate) mod tests;
+mod wall;
 
 pub use blocked::BlockedSection;
 pub use error::{SectionError, Whereabouts};
 pub use mesh::SectionMesh;
 pub use path_request::PathRequest;
+pub use solved::SolvedSection;
 pub use solver::SectionSolver;
+pub use wall::WallResponse;

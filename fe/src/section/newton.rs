@@ -47,12 +47,20 @@ pub(crate) struct Newton {
     answers: [Vec<f64>; 3],
     step: Step,
     base: State,
+    /// Relative residual at which a state counts as converged.
+    pub tolerance: f64,
 }
 
 impl Newton {
     pub fn new(problem: &Problem) -> Self {
         let system = problem.system();
-        Newton { answers: system.columns.clone(), system, step: Step::new(problem), base: problem.rest() }
+        Newton {
+            answers: system.columns.clone(),
+            system,
+            step: Step::new(problem),
+            base: problem.rest(),
+            tolerance: TOLERANCE,
+        }
     }
 
     /// Factors the stiffness and returns the stiffness of (lambda, psi, p) with the inner unknowns at rest: the Schur
@@ -152,7 +160,7 @@ impl Newton {
         let mut residual = self.residual(state, control);
         let mut stalled = false;
         for steps in 0..MOST_STEPS {
-            if residual < TOLERANCE || (stalled && residual < TOLERANCE_AT_ROUNDING) {
+            if residual < self.tolerance || (stalled && residual < TOLERANCE_AT_ROUNDING) {
                 return Ok(Converged { steps, residual });
             }
             self.compute_step(problem, state, control)?;

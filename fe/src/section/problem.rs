@@ -1,8 +1,8 @@
 use super::{
     element::{BULK_RATIO, Element},
     kinematics::{
-        Rows, STRETCH, UNKNOWNS, add_determinant_tangent, cofactor, deformation_gradient, enclosed_volume,
-        fibre_stretch, pull_back,
+        Point, Rows, STRETCH, UNKNOWNS, add_determinant_tangent, cofactor, deformation_gradient,
+        enclosed_volume, fibre_stretch, pull_back,
     },
     mesh::Grid,
     system::System,
@@ -226,15 +226,25 @@ impl Problem {
 
     /// Radius of the circle that has the area of the section inside the outer surface, in units of B.
     pub fn expansion(&self, state: &State) -> f64 {
+        let volume = self.volume_inside(state, |element| &element.surface);
+        // A cut at constant z meets one reference length in every lambda of height.
+        (volume / (std::f64::consts::PI * state.globals[0])).sqrt()
+    }
+
+    /// Enclosed volume per reference length, in units of B^2.
+    pub fn volume(&self, state: &State) -> f64 {
+        self.volume_inside(state, |element| &element.bore)
+    }
+
+    fn volume_inside(&self, state: &State, points: impl Fn(&Element) -> &[Point]) -> f64 {
         let mut volume = 0.0;
         for element in &self.elements {
             let values = self.gather(element, &state.nodes, &state.globals);
-            for point in &element.surface {
+            for point in points(element) {
                 volume += point.weight * enclosed_volume(&point.local(&values), self.turn).0;
             }
         }
-        // A cut at constant z meets one reference length in every lambda of height.
-        (volume / (std::f64::consts::PI * state.globals[0])).sqrt()
+        volume
     }
 
     /// Adds `factor` times a step to a state.

@@ -28,11 +28,20 @@ pub struct SectionSolver {
     free: Free,
     /// `None` where the grid was given.
     mesh: Option<SectionMesh>,
-    units: Units,
-    problem: Problem,
-    newton: Newton,
+    pub(super) units: Units,
+    pub(super) problem: Problem,
+    pub(super) newton: Newton,
     rest: State,
-    state: State,
+    pub(super) state: State,
+}
+
+/// What is given beside stretch and twist.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Third {
+    /// The pressure.
+    Pressure,
+    /// The enclosed volume.
+    Volume,
 }
 
 /// Units of the problem.
@@ -123,6 +132,12 @@ impl SectionSolver {
         SectionSolver { free: *free, mesh: None, units, problem, newton, state: rest.clone(), rest }
     }
 
+    /// Answers as exact as rounding lets them be: what is left of the residual otherwise hinders a solver above this one.
+    pub fn to_rounding(mut self) -> Self {
+        self.newton.tolerance = 0.0;
+        self
+    }
+
     /// The FREE.
     pub fn free(&self) -> &Free {
         &self.free
@@ -163,7 +178,7 @@ impl SectionSolver {
             "it must be a number, in rad/m",
         )?;
         let target = [axial_stretch, twist_per_length * self.units.length, pressure / self.units.stress];
-        let schur = self.reach(target).map_err(|failed| SectionError::NotConverged {
+        let schur = self.reach(target, Third::Pressure).map_err(|failed| SectionError::NotConverged {
             target: self.units.whereabouts(&target),
             residual: failed.residual,
             last_good: self.units.whereabouts(&self.state.globals),
@@ -188,28 +203,40 @@ impl SectionSolver {
         self.problem.expansion(&self.state)
     }
 
-    /// Brings `self.state` to given globals, from itself or, failing that, from rest. Returns the stiffness of the globals.
-    fn reach(&mut self, target: [f64; 3]) -> Result<Matrix3<f64>, Failed> {
-        self.walk(target).or_else(|_| {
+    /// Brings `self.state` to a given stretch, twist and third quantity, from itself or, failing that, from rest. Returns the
+    /// stiffness of (stretch, twist, pressure).
+    pub(super) fn reach(&mut self, target: [f64; 3], third: Third) -> Result<Matrix3<f64>, Failed> {
+        self.walk(target, third).or_else(|_| {
             self.state.clone_from(&self.rest);
-            self.walk(target)
+            self.walk(target, third)
         })
     }
 
-    fn walk(&mut self, target: [f64; 3]) -> Result<Matrix3<f64>, Failed> {
+    fn walk(&mut self, target: [f64; 3], third: Third) -> Result<Matrix3<f64>, Failed> {
         let mut share = 1.0f64;
         let mut trial = self.state.clone();
         loop {
-            let from = self.state.globals;
+            let mut from = self.state.globals;
+            if third == Third::Volume {
+                from[2] = self.problem.volume(&self.state);
+            }
             let last = share >= 1.0;
-            let control: Control = std::array::from_fn(|i| {
-                Given::Value(if last { target[i] } else { from[i] + share * (target[i] - from[i]) })
-            });
+            let goal: [f64; 3] =
+                std::array::from_fn(
+                    |i| {
+                        if last { target[i] } else { from[i] + share * (target[i] - from[i]) }
+                    },
+                );
+            let mut control: Control = goal.map(Given::Value);
+            if third == Third::Volume {
+                control[2] = Given::Conjugate(goal[2]);
+            }
             trial.clone_from(&self.state);
-            let found = self
-                .newton
-                .solve(&self.problem, &mut trial, &control)
-                .and_then(|_| self.newton.condense_stable());
+            let found = self.newton.solve(&self.problem, &mut trial, &control).and_then(|_| match third {
+                Third::Pressure => self.newton.condense_stable(),
+                // A bare wall that is squeezed would rather wrinkle, which the threads about it do not let it.
+                Third::Volume => self.newton.condense().map(|(schur, _)| schur),
+            });
             match found {
                 Ok(schur) => {
                     self.state.clone_from(&trial);

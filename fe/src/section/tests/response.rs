@@ -156,3 +156,50 @@ fn a_long_jump_does_not_end_on_an_unstable_branch() {
     assert!((direct.force - walked.force).abs() < 1e-6 && (direct.torque - walked.torque).abs() < 1e-8);
     assert!((direct.torque - 0.02).abs() < 1e-7, "{direct:?}");
 }
+
+/// At the volume that a pressure gives, energy, force, torque and stiffness are those at the pressure, by Legendre's transformation.
+#[test]
+fn responses_at_a_volume_are_those_at_its_pressure() {
+    for (free, [pressure, stretch, twist]) in
+        [(free(25.0), [30e3, 1.03, -22.0]), (tension_only(free(65.0)), [40e3, 0.97, -20.0])]
+    {
+        let mut solver = solver(&free, COARSE);
+        let at = solver.respond(pressure, stretch, twist).unwrap();
+        let [above, below] =
+            [10.0, -10.0].map(|step| solver.respond(pressure + step, stretch, twist).unwrap().energy);
+        let volume = (below - above) / 20.0;
+        let found = solver.respond_at_volume(volume, stretch, twist).unwrap();
+        let [p, force, torque] = found.gradient;
+        let close = |a: f64, b: f64, scale: f64| {
+            assert!((a - b).abs() < 1e-5 * scale, "{a} {b} ({scale}) at {found:?}")
+        };
+        close(p, pressure, 1e4);
+        close(found.energy - p * volume, at.energy, 0.1);
+        close(force, at.force, 10.0);
+        close(torque, at.torque, 0.05);
+        let h = found.hessian;
+        let condensed = |i: usize, j: usize| h[i][j] - h[i][0] * h[0][j] / h[0][0];
+        close(condensed(1, 1), at.stiffness[0][0], 100.0);
+        close(condensed(1, 2), at.stiffness[0][1], 1.0);
+        close(condensed(2, 2), at.stiffness[1][1], 0.01);
+    }
+}
+
+/// A bare tube balloons under a pressure, but is at rest at any volume, where its pressure falls again.
+#[test]
+fn a_volume_has_no_limit() {
+    let mut free = free(40.0);
+    free.winding.fibre.axial_stiffness = 0.0;
+    let mut solver = solver(&free, COARSE);
+    let own = std::f64::consts::PI * free.tube.inner_radius.powi(2);
+    let mut at = |part: f64| solver.respond_at_volume(part * own, 1.0, 0.0).unwrap();
+    let (low, high) = (at(1.5), at(6.0));
+    assert!(low.hessian[0][0] > 0.0 && high.hessian[0][0] < 0.0, "{low:?} {high:?}");
+    let (lower, upper) = (at(5.99), at(6.01));
+    let slope = (upper.gradient[0] - lower.gradient[0]) / (0.02 * own);
+    assert!((slope / high.hessian[0][0] - 1.0).abs() < 1e-3, "{slope} {high:?}");
+    assert!(
+        solver.respond_at_volume(-1.0, 1.0, 0.0).is_err()
+            && solver.respond_at_volume(own, 1.0, f64::NAN).is_err()
+    );
+}
