@@ -91,7 +91,7 @@ pub fn variables<T: Real>(chart: [T; 6]) -> [Dual<T, 6>; 6] {
     core::array::from_fn(|k| Dual::variable(chart[k], k))
 }
 
-/// The pose of a chart and its derivatives with respect to the chart's numbers, see [`split`].
+/// The pose of a chart and its derivatives with respect to the chart's numbers, see `split`.
 pub fn pose_jacobian<T: Real>(chart: [T; 6]) -> (Pose<T>, [[T; 6]; 6]) {
     split(&pose(variables(chart)))
 }

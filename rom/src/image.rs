@@ -4,8 +4,8 @@ use crate::{
     FreeModel, Model, ModelContent, ModuleModel, SplineAxis, SplineGrid,
     effect::{EffectError, hanging_mass},
 };
-use actuator::{MapParameter, PAYLOAD_STEP};
-use evaluator::{FREE, HEADER, LoadParameter, MAGIC, MODULE, Real, VERSION, effect::MAX_EFFECTS};
+use actuator::PAYLOAD_STEP;
+use evaluator::{FREE, HEADER, MAGIC, MODULE, Real, VERSION, effect::MAX_EFFECTS};
 
 /// Why a model has no image.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -69,11 +69,7 @@ impl Writer {
         self.count(model.parameters().len())?;
         self.integers.push(u32::from(!splines.clearances().is_empty()));
         self.integers.push(u32::from(!splines.bars().is_empty()));
-        self.integers.extend(model.parameters().iter().map(|parameter| match parameter {
-            MapParameter::Payload => LoadParameter::Payload as u32,
-            MapParameter::PayloadCurvature => LoadParameter::PayloadCurvature as u32,
-            MapParameter::BendingStiffness => LoadParameter::BendingStiffness as u32,
-        }));
+        self.integers.extend(model.load_parameters().map(|parameter| parameter as u32));
         self.numbers.extend([hanging_mass(model.module()), PAYLOAD_STEP]);
         self.numbers.extend(splines.domain().iter().flat_map(|(lower, upper)| [lower, upper]));
         self.numbers.extend_from_slice(splines.chart().as_flattened());

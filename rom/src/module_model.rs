@@ -1,6 +1,8 @@
-use crate::{ModuleErrors, ModuleFitError, OutOfDomain, PoseEvaluation, PoseModel, SplineGrid};
-use actuator::{Limits, MapParameter, Module, PoseChart};
-use evaluator::ModuleSplines;
+use crate::{
+    ModuleErrors, ModuleFitError, OutOfDomain, PoseEvaluation, PoseModel, SplineGrid, effect::hanging_mass,
+};
+use actuator::{Limits, MapParameter, Module, PAYLOAD_STEP, PoseChart};
+use evaluator::{LoadParameter, MAX_PARAMETERS, ModuleSplines, TipModel};
 use serde::{Deserialize, Serialize};
 
 /// Fraction of a FREE's own limit pressure that a model leaves unused: near the limit the slopes grow without bound.
@@ -66,6 +68,29 @@ impl ModuleModel {
     /// The splines, as a controller evaluates them.
     pub fn splines(&self) -> &ModuleSplines<f64, Vec<f64>> {
         &self.splines
+    }
+
+    /// What the slopes are along, as the evaluator calls it.
+    pub(crate) fn load_parameters(&self) -> impl Iterator<Item = LoadParameter> {
+        self.facts.parameters.iter().map(|parameter| match parameter {
+            MapParameter::Payload => LoadParameter::Payload,
+            MapParameter::PayloadCurvature => LoadParameter::PayloadCurvature,
+            MapParameter::BendingStiffness => LoadParameter::BendingStiffness,
+        })
+    }
+
+    /// The model as a controller evaluates it with effects, with tables of its own.
+    pub fn tip_model(&self) -> TipModel<f64, Vec<f64>> {
+        let mut parameters = [None; MAX_PARAMETERS];
+        for (place, parameter) in parameters.iter_mut().zip(self.load_parameters()) {
+            *place = Some(parameter);
+        }
+        TipModel {
+            splines: self.splines.clone(),
+            parameters,
+            hanging_mass: hanging_mass(self.module()),
+            payload_step: PAYLOAD_STEP,
+        }
     }
 
     /// The same model with error bars and what was found of its errors.

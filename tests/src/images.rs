@@ -17,6 +17,7 @@ const OF_MODULE: &[(EffectKind, &[f64])] = &[
     (EffectKind::Hysteresis, &[1e3, 0.8]),
     (EffectKind::Creep, &[0.1, 30.0]),
     (EffectKind::Mullins, &[0.1]),
+    (EffectKind::Delay, &[0.03]),
     (EffectKind::MarkerFrame, &[0.1, 0.0, 0.2, 0.001, 0.002, 0.003]),
     (EffectKind::BaseFrame, &[0.0, 0.3, 0.1, 0.004, 0.0, -0.002]),
 ];
@@ -56,6 +57,11 @@ pub fn aligned(bytes: &[u8]) -> Vec<u64> {
     let mut words = vec![0u64; bytes.len().div_ceil(8)];
     bytemuck::cast_slice_mut(&mut words)[..bytes.len()].copy_from_slice(bytes);
     words
+}
+
+/// The bytes of words.
+pub fn bytes(words: &[u64]) -> &[u8] {
+    bytemuck::cast_slice(words)
 }
 
 /// Writes the images of both in both precisions: `module_f64.img`, `module_f32.img`, `free_f64.img`, `free_f32.img`.

@@ -83,22 +83,24 @@ pub fn measured(name: &str) -> Option<PathBuf> {
     folder.exists().then_some(folder)
 }
 
-/// The program, built once per run of the tests in the profile of the tests.
+/// Builds a package in the profile of the tests; the folder that holds what was built.
+pub fn build(arguments: &[&str]) -> PathBuf {
+    // A test runs from target/PROFILE/deps.
+    let test = env::current_exe().expect("the path of this test");
+    let folder = test.ancestors().nth(2).expect("a test runs two folders below its profile's");
+    let mut build = Command::new(env!("CARGO"));
+    build.args(["build", "--quiet"]).args(arguments).current_dir(project());
+    if folder.file_name() == Some(OsStr::new("release")) {
+        build.arg("--release");
+    }
+    assert!(build.status().expect("cargo runs").success(), "{arguments:?} does not build");
+    folder.to_owned()
+}
+
+/// The program, built once per run of the tests.
 pub fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
-    PROGRAM.get_or_init(|| {
-        // A test runs from target/PROFILE/deps.
-        let test = env::current_exe().expect("the path of this test");
-        let folder = test.ancestors().nth(2).expect("a test runs two folders below its profile's");
-        let release = folder.file_name() == Some(OsStr::new("release"));
-        let mut build = Command::new(env!("CARGO"));
-        build.args(["build", "--quiet", "--package", "freeact", "--bin", "freeact"]).current_dir(project());
-        if release {
-            build.arg("--release");
-        }
-        assert!(build.status().expect("cargo runs").success(), "the program does not build");
-        folder.join("freeact")
-    })
+    PROGRAM.get_or_init(|| build(&["--package", "freeact", "--bin", "freeact"]).join("freeact"))
 }
 
 /// Runs the program.

@@ -8,7 +8,7 @@ use core::{panic::PanicInfo, slice};
 use evaluator::{Content, Image, Real};
 
 /// Numbers of memory that effects may take here.
-const MEMORY: usize = 300;
+const MEMORY: usize = 1000;
 /// Numbers of an answer: position and rotation with derivatives along four pressures, or stretch, expansion and twist with theirs.
 const ANSWER: usize = 31;
 

@@ -25,7 +25,8 @@ pub(super) const MEMORY: usize = 1 + 2 * LENGTH;
 pub(super) fn pressure<T: Real>(values: &[T], memory: &mut [T; MEMORY], step: T, pressure: T) -> T {
     let (held, past) = memory.split_at_mut(1);
     let (pressures, ages) = past.split_at_mut(LENGTH);
-    let count = (held[0].to_f64() as usize + 1).min(LENGTH);
+    // Written so that a memory that was never set, or was overwritten, cannot lead outside.
+    let count = (held[0].to_f64() as usize).min(LENGTH - 1) + 1;
     held[0] = T::constant(count as f64);
     for index in (1..count).rev() {
         pressures[index] = pressures[index - 1];
@@ -47,6 +48,15 @@ pub(super) fn pressure<T: Real>(values: &[T], memory: &mut [T; MEMORY], step: T,
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_memory_that_is_none_leads_nowhere() {
+        for held in [f64::NAN, -1.0, 1e300, f64::INFINITY] {
+            let mut memory = [held; MEMORY];
+            pressure(&[0.12], &mut memory, 0.01, 1e3);
+            assert!((1.0..=LENGTH as f64).contains(&memory[0]));
+        }
+    }
 
     #[test]
     fn a_ramp_comes_out_late_whatever_the_step() {

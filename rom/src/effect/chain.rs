@@ -38,8 +38,8 @@ impl Chain {
         self.effects.iter().try_for_each(|effect| effect.check(frees))
     }
 
-    /// The chain as the evaluator steps it.
-    fn of<'a>(
+    /// The chain as the evaluator steps it, on an actuator of `frees` FREEs.
+    pub fn of<'a>(
         &'a self,
         frees: usize,
     ) -> effect::Chain<impl DoubleEndedIterator<Item = effect::Effect<'a, f64>> + Clone> {

@@ -4,6 +4,7 @@ use crate::{
     effect::{Effect, EffectKind},
     synthetic::{PRESSURE_MAX, free_map, module_map},
 };
+use actuator::MapParameter;
 use evaluator::{Content, Image, ImageError};
 
 fn even(count: usize) -> Vec<f64> {
