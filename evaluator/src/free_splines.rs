@@ -176,8 +176,10 @@ impl<T: Real, R: AsRef<[T]>> FreeSplines<T, R> {
         let (mut value, mut gradient) = ([T::ZERO], [[T::ZERO]; 2]);
         let [angle, modulus] = point;
         let (lower, upper) = self.axes().0.range();
-        self.scaled_reference
-            .evaluate(&point, &mut value, &mut gradient)
+        let reference = &self.scaled_reference;
+        reference
+            .grid()
+            .value_and_gradient(reference.coefficients(), &point, &mut value, &mut gradient)
             .map_err(|_| OutsideFree::WindingAngle { angle, lower, upper })?;
         let softness = value[0];
         if softness <= T::ZERO {
@@ -231,8 +233,10 @@ impl<T: Real, R: AsRef<[T]>> FreeSplines<T, R> {
         let (mut value, mut gradient) = ([T::ZERO; 3], [[T::ZERO; 3]; 3]);
         let root_angles = self.states.grid().axes()[0].range();
         let root_angle = angle.sqrt().greater(root_angles.0).lesser(root_angles.1);
-        self.states
-            .evaluate(&[root_angle, modulus, s], &mut value, &mut gradient)
+        let (states, at) = (&self.states, [root_angle, modulus, s]);
+        states
+            .grid()
+            .value_and_gradient(states.coefficients(), &at, &mut value, &mut gradient)
             .map_err(|_| OutsideFree::Pressure { pressure, upper })?;
         // The spline holds 1/stretch: d(stretch) = -stretch^2 d(1/stretch).
         let stretch = T::ONE / value[0];

@@ -26,7 +26,7 @@ pub use free_errors::{DeformationErrors, FreeErrors};
 pub use free_fit::FreeFitError;
 pub use free_model::{FreeEvaluation, FreeModel, OutsideFree};
 pub use image::NoImage;
-pub use interpolation::{SplineAxis, SplineError, SplineGrid, TensorSpline};
+pub use interpolation::{SplineAxis, SplineError, SplineGrid, TensorSpline, interpolate};
 pub use model::{InvalidModel, Model, ModelContent, ModelError, Provenance};
 pub use module_errors::{BarCoverage, ModuleErrors};
 pub use module_fit::ModuleFitError;

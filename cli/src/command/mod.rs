@@ -2,6 +2,7 @@
 
 mod blocked;
 mod demo;
+mod export;
 pub mod fit;
 mod identify;
 mod import;
@@ -27,6 +28,7 @@ pub enum Command {
     Inspect(inspect::Inspect),
     Blocked(blocked::Blocked),
     Fit(fit::Fit),
+    Export(export::Export),
     Predict(predict::Predict),
     Solve(solve::Solve),
     Track(track::Track),
@@ -48,6 +50,7 @@ impl Command {
             Command::Inspect(inspect) => inspect.run(json),
             Command::Blocked(blocked) => blocked.run(json),
             Command::Fit(fit) => fit.run(json),
+            Command::Export(export) => export.run(json),
             Command::Predict(predict) => predict.run(json),
             Command::Solve(solve) => solve.run(json),
             Command::Track(track) => track.run(json),
