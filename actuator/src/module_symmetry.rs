@@ -59,7 +59,7 @@ impl ModuleSymmetry {
 
     /// A pose chart in the order of [`PoseChart::to_array`], or its derivative. Bend and position of the chart are seen from the frame
     /// that has turned by half the twist; as z is kept, they move as they would in the base frame.
-    fn chart(&self, [twist, bend_x, bend_y, x, y, z]: [f64; 6]) -> [f64; 6] {
+    pub fn chart(&self, [twist, bend_x, bend_y, x, y, z]: [f64; 6]) -> [f64; 6] {
         let [bend_x, bend_y, twist] = self.turns([bend_x, bend_y, twist]);
         let [x, y, z] = self.vector([x, y, z]);
         [twist, bend_x, bend_y, x, y, z]

@@ -12,6 +12,7 @@ mod model;
 mod module_errors;
 mod module_fit;
 mod module_model;
+mod module_orbits;
 mod pose_model;
 mod pressure_nodes;
 mod stable_region;

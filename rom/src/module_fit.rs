@@ -2,6 +2,7 @@ use crate::{
     MAX_AXES, ModuleErrors, ModuleModel, SplineError, SplineGrid, error_bars,
     interpolation::{coefficients, grid},
     module_model::{ModuleFacts, Tables},
+    module_orbits::Orbits,
     stable_region::StableRegion,
 };
 use actuator::{ModuleMap, units::KPA};
@@ -140,12 +141,13 @@ impl ModuleModel {
         for table in &slopes {
             fitted.extend(coefficients(&grid, region.continued(&grid, table))?);
         }
-        let tables = Tables {
+        let orbits = Orbits::new(&map.module, &grid);
+        let tables = orbits.symmetrised(Tables {
             chart: coefficients(&grid, region.continued(&grid, &chart))?,
             slopes: fitted,
             clearance: region.clearance(&grid),
             bars: Vec::new(),
-        };
+        });
         let facts = ModuleFacts {
             module: map.module.clone(),
             limits: map.limits.clone(),
@@ -154,7 +156,8 @@ impl ModuleModel {
             unstable: region.outside().count() as u64,
             errors: ModuleErrors::default(),
         };
-        let scale = error_bars::scale(&grid, &chart);
+        // The scale of the errors is symmetric where the map is; its last bits are made so too.
+        let scale = orbits.symmetrised_bars(error_bars::scale(&grid, &chart));
         let model = Self::assemble(facts, grid, tables)?;
         Ok(error_bars::judged(model, map, scale))
     }

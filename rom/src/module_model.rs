@@ -29,6 +29,19 @@ pub(crate) struct Tables {
     pub bars: Vec<f64>,
 }
 
+impl Tables {
+    /// The tables of splines.
+    pub fn of(splines: &ModuleSplines<f64, Vec<f64>>) -> Self {
+        let slopes = (0..splines.parameters()).flat_map(|parameter| splines.slopes(parameter));
+        Tables {
+            chart: splines.chart().as_flattened().to_vec(),
+            slopes: slopes.flatten().copied().collect(),
+            clearance: splines.clearances().to_vec(),
+            bars: splines.bars().as_flattened().to_vec(),
+        }
+    }
+}
+
 /// Pressures of a module to its tip pose: splines over the pressures, fitted from an [`actuator::ModuleMap`].
 ///
 /// The pose is held in the chart that does not wrap. The domain is the box of the map's grid, at most

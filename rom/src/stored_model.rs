@@ -7,6 +7,7 @@ use crate::{
     free_model::FreeFacts,
     interpolation::{from_coefficients, grid},
     module_model::{ModuleFacts, Tables},
+    module_orbits::Orbits,
 };
 use actuator::Free;
 use serde::{Deserialize, Serialize};
@@ -30,8 +31,17 @@ pub(crate) struct StoredSpline {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(clippy::large_enum_variant, reason = "there is one of it, while a file is read or written")]
 pub(crate) enum StoredContent {
-    Free { facts: FreeFacts, scaled_reference: StoredSpline, states: StoredSpline },
-    Module { facts: ModuleFacts, nodes: Vec<Vec<f64>>, tables: Tables },
+    Free {
+        facts: FreeFacts,
+        scaled_reference: StoredSpline,
+        states: StoredSpline,
+    },
+    /// Tables of all nodes, or of the first of each orbit under the module's symmetry.
+    Module {
+        facts: ModuleFacts,
+        nodes: Vec<Vec<f64>>,
+        tables: Tables,
+    },
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -97,17 +107,12 @@ impl From<&Model> for StoredModel {
             },
             ModelContent::Module(module) => {
                 let splines = module.splines();
-                let slopes = (0..splines.parameters()).flat_map(|parameter| splines.slopes(parameter));
-                StoredContent::Module {
-                    facts: module.facts().clone(),
-                    nodes: nodes(splines.grid()),
-                    tables: Tables {
-                        chart: splines.chart().as_flattened().to_vec(),
-                        slopes: slopes.flatten().copied().collect(),
-                        clearance: splines.clearances().to_vec(),
-                        bars: splines.bars().as_flattened().to_vec(),
-                    },
-                }
+                let whole = Tables::of(splines);
+                // Of nodes that symmetry makes of each other one is kept, where that loses no bit.
+                let orbits = Orbits::new(module.module(), splines.grid());
+                let reduced = orbits.reduced(&whole);
+                let tables = if orbits.spread(&reduced).as_ref() == Some(&whole) { reduced } else { whole };
+                StoredContent::Module { facts: module.facts().clone(), nodes: nodes(splines.grid()), tables }
             }
         };
         StoredModel {
@@ -193,6 +198,12 @@ impl TryFrom<StoredModel> for Model {
             StoredContent::Module { facts, nodes, tables } => {
                 let grid = grid(nodes)?;
                 check_module(&facts, &grid, &tables)?;
+                let orbits = Orbits::new(&facts.module, &grid);
+                let is_reduced =
+                    orbits.count() < grid.node_count() && tables.chart.len() == 6 * orbits.count();
+                let tables = if is_reduced { orbits.spread(&tables) } else { Some(tables) };
+                let tables =
+                    tables.ok_or(InvalidModel::Inconsistent("its tables are not of its symmetry"))?;
                 ModelContent::Module(ModuleModel::assemble(facts, grid, tables)?)
             }
         };

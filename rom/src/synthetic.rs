@@ -41,7 +41,7 @@ pub fn module_state(pressures: &[f64]) -> ModuleState {
         -0.085 * bend[0],
         0.17 * (1.0 + 0.1 * mean) - 0.02 * (bend[0].powi(2) + bend[1].powi(2)),
     ];
-    let payload = [0.1 * mean, bend[0], bend[1], 0.01, 0.02 * mean, 0.03 * soft];
+    let payload = [0.1 * mean, bend[0], bend[1], 0.01 * bend[1], -0.01 * bend[0], 0.03 * soft];
     let stiffness = [0.0, -bend[0], -bend[1], 0.0, 0.0, -0.01 * mean];
     ModuleState {
         chart: PoseChart { twist, bend, position },
