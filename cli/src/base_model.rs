@@ -71,7 +71,7 @@ fn module_map(rig: &Rig, module: &Module, sweeping: &Sweeping) -> Result<ModuleM
         // The corners and the checks tell soon whether the whole is worth its time.
         const CORNERS: usize = 2;
         for nodes in [CORNERS, sweep::usual_nodes(module.frees.len())] {
-            let mut map = sweep::plan_module(rig, module, &greatest, nodes, &sweep)?;
+            let mut map = sweep::plan_module(rig, module, &greatest, &vec![nodes; greatest.len()], &sweep)?;
             let swept = sweeping.rows(&sweep, &mut map)?;
             refused = converged(rig, &swept.failed);
             match &refused {

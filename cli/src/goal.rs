@@ -49,6 +49,14 @@ impl<'m> Steered<'m> {
         self.name
     }
 
+    /// What 95 of 100 errors of the base model's position (m) and rotation (rad) stay below around these pressures (Pa); `None` where the
+    /// model was made without states to judge it by.
+    pub fn error_bars(&self, pressures: &[f64]) -> Option<[f64; 2]> {
+        let mut answered = pressures.to_vec();
+        tip_model::deform(&tip_model::at_rest(self.effects), &mut answered);
+        self.module.splines().error_bars(&answered)
+    }
+
     /// How much (Pa) every pressure that the base model answers to may change at once without leaving its domain; negative outside.
     pub fn clearance(&self, pressures: &[f64]) -> f64 {
         let mut answered = pressures.to_vec();

@@ -31,6 +31,7 @@ mod points;
 mod pressures_csv;
 mod progress;
 mod recordings;
+mod refinement;
 mod report;
 mod run_statistics;
 mod shape;

@@ -161,18 +161,18 @@ pub fn usual_nodes(frees: usize) -> usize {
 /// Share of a limit pressure up to which a module is mapped: nearer to it the poses change ever faster.
 const BELOW_LIMIT: f64 = 0.9;
 
-/// What computes a module's map, and the empty map: `nodes` pressures per FREE from zero to `greatest` (Pa), but no nearer to the
+/// What computes a module's map, and the empty map: `nodes` pressures of each FREE from zero to `greatest` (Pa), but no nearer to the
 /// FREE's limit pressure than nine tenths of it, placed as a spline likes them.
 pub fn plan_module(
     rig: &Rig,
     module: &Module,
     greatest: &[f64],
-    nodes: usize,
+    nodes: &[usize],
     sweep: &ModuleSweep,
 ) -> Result<ModuleMap, Failure> {
     let mut pressures: Vec<Vec<f64>> = Vec::new();
     let mut known: Vec<(Free, Option<f64>)> = Vec::new();
-    for (placed, greatest) in module.frees.iter().zip(greatest) {
+    for ((placed, greatest), nodes) in module.frees.iter().zip(greatest).zip(nodes) {
         // Neither length nor hand changes the limit pressure.
         let mut alike = placed.free;
         alike.tube.length = 1.0;
@@ -186,7 +186,7 @@ pub fn plan_module(
             }
         };
         let greatest = limit.map_or(*greatest, |limit| greatest.min(BELOW_LIMIT * limit));
-        pressures.push(rom::recommended_pressure_nodes(greatest, limit, nodes));
+        pressures.push(rom::recommended_pressure_nodes(greatest, limit, *nodes));
     }
     let source = (rig.name.clone(), rig.text.clone());
     let planned = sweep.empty_map(module.clone(), rig.limits.clone(), pressures, source);

@@ -84,6 +84,44 @@ fn range(first: f64, last: f64, step: f64) -> Result<Vec<f64>, String> {
     Ok((0..=count).map(value).collect())
 }
 
+/// A positive number.
+pub fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("must be a positive number".into()),
+    }
+}
+
+/// A share that a tolerance may be.
+pub fn share(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| (1e-7..=1.0).contains(number));
+    number.ok_or_else(|| "must be a share from 1e-7 to 1".into())
+}
+
+/// A multiple of the volume at a limit pressure.
+pub fn ratio(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| *number > 1.0 && *number <= 20.0);
+    number.ok_or_else(|| "must be a multiple of the volume above 1 and up to 20, as in 1.5".into())
+}
+
+/// Positive numbers.
+pub fn positive_list(text: &str) -> Result<Values, String> {
+    let values: Values = text.parse()?;
+    match values.0.iter().find(|value| **value <= 0.0) {
+        Some(value) => Err(format!("{value} is not positive")),
+        None => Ok(values),
+    }
+}
+
+/// Winding angles from the hoop, degrees.
+pub fn winding_angles(text: &str) -> Result<Values, String> {
+    let values: Values = text.parse()?;
+    match values.0.iter().find(|value| !(1.0..=89.5).contains(*value)) {
+        Some(value) => Err(format!("{value} is not between 1 and 89.5 degrees from the hoop direction")),
+        None => Ok(values),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,7 +4,9 @@
 //! states that were never fitted: half of the map's checks set the factor under which 95 of 100 of their errors stay (the
 //! quantile of split conformal prediction, rank ceil(0.95 (n + 1))), the other half are only counted.
 
-use crate::{BarCoverage, ErrorStatistics, ModuleErrors, ModuleModel, PoseModel, SplineGrid};
+use crate::{
+    BarCoverage, ErrorStatistics, ModuleErrors, ModuleModel, PoseModel, SplineGrid, interpolation::grid,
+};
 use actuator::ModuleMap;
 use evaluator::multilinear;
 
@@ -37,38 +39,55 @@ pub(crate) fn scale(grid: &SplineGrid, chart: &[Option<[f64; 6]>]) -> Vec<[f64; 
 
 /// By how much neighbours miss a node in position (m) and rotation (rad), summed over the axes; zero for a node without a state.
 fn misses(grid: &SplineGrid, chart: &[Option<[f64; 6]>], node: usize) -> [f64; 2] {
-    let mut sum = [0.0; 2];
-    let Some(here) = chart[node] else { return sum };
-    for (axis, stride) in grid.axes().iter().zip(grid.strides()) {
-        let nodes = axis.nodes();
-        let place = node / stride % nodes.len();
-        let line = node - place * stride;
-        let mut near: Vec<(f64, [f64; 6])> = (0..nodes.len())
-            .filter(|other| *other != place)
-            .filter_map(|other| Some((nodes[other], chart[line + other * stride]?)))
-            .collect();
-        if near.is_empty() {
-            continue;
-        }
-        let at = nodes[place];
-        near.sort_by(|a, b| (a.0 - at).abs().total_cmp(&(b.0 - at).abs()));
-        near.truncate(NEIGHBOURS);
-        let mut off = here;
-        for (x, values) in &near {
-            // Lagrange's polynomial of this neighbour, at the node.
-            let others = near.iter().filter(|(y, _)| y != x);
-            let weight: f64 = others.map(|(y, _)| (at - y) / (x - y)).product();
-            for (off, value) in off.iter_mut().zip(values) {
-                *off -= weight * value;
-            }
-        }
-        let [twist, bend_x, bend_y, x, y, z] = off;
-        // The chart's position stands in a frame that turns by half the twist.
-        let arm = here[3].hypot(here[4]);
-        sum[0] += x.hypot(y).hypot(z) + 0.5 * arm * twist.abs();
-        sum[1] += twist.abs() + bend_x.hypot(bend_y);
+    let axes = (0..grid.axes().len()).map(|axis| miss_along(grid, chart, node, axis));
+    axes.fold([0.0; 2], |sum, miss| [sum[0] + miss[0], sum[1] + miss[1]])
+}
+
+/// By how much its neighbours along one axis miss a node.
+fn miss_along(grid: &SplineGrid, chart: &[Option<[f64; 6]>], node: usize, axis: usize) -> [f64; 2] {
+    let Some(here) = chart[node] else { return [0.0; 2] };
+    let (nodes, stride) = (grid.axes()[axis].nodes(), grid.strides()[axis]);
+    let place = node / stride % nodes.len();
+    let line = node - place * stride;
+    let mut near: Vec<(f64, [f64; 6])> = (0..nodes.len())
+        .filter(|other| *other != place)
+        .filter_map(|other| Some((nodes[other], chart[line + other * stride]?)))
+        .collect();
+    if near.is_empty() {
+        return [0.0; 2];
     }
-    sum
+    let at = nodes[place];
+    near.sort_by(|a, b| (a.0 - at).abs().total_cmp(&(b.0 - at).abs()));
+    near.truncate(NEIGHBOURS);
+    let mut off = here;
+    for (x, values) in &near {
+        // Lagrange's polynomial of this neighbour, at the node.
+        let others = near.iter().filter(|(y, _)| y != x);
+        let weight: f64 = others.map(|(y, _)| (at - y) / (x - y)).product();
+        for (off, value) in off.iter_mut().zip(values) {
+            *off -= weight * value;
+        }
+    }
+    let [twist, bend_x, bend_y, x, y, z] = off;
+    // The chart's position stands in a frame that turns by half the twist.
+    let arm = here[3].hypot(here[4]);
+    [x.hypot(y).hypot(z) + 0.5 * arm * twist.abs(), twist.abs() + bend_x.hypot(bend_y)]
+}
+
+/// How badly (m, root of the mean square) the positions of a map's nodes are foretold by their neighbours along each axis: where a finer
+/// axis would help. Zero for a map whose axes are none.
+pub fn axis_misses(map: &ModuleMap) -> Vec<f64> {
+    let Ok(grid) = grid(map.pressures.clone()) else { return vec![0.0; map.pressures.len()] };
+    let chart: Vec<_> = map.states.iter().map(|state| Some(state.as_ref()?.chart.to_array())).collect();
+    let along = |axis: usize| {
+        let squares = (0..chart.len()).map(|node| miss_along(&grid, &chart, node, axis)[0].powi(2));
+        (squares.sum::<f64>() / chart.len() as f64).sqrt()
+    };
+    if chart.len() == grid.node_count() {
+        (0..map.pressures.len()).map(along).collect()
+    } else {
+        vec![0.0; map.pressures.len()]
+    }
 }
 
 /// Factor under which 95 of 100 ratios stay; the greatest where they are too few to tell.

@@ -21,6 +21,7 @@ mod stored_model_old;
 #[cfg(test)]
 mod synthetic;
 
+pub use error_bars::axis_misses;
 pub use error_statistics::ErrorStatistics;
 pub use evaluator::MAX_AXES;
 pub use free_errors::{DeformationErrors, FreeErrors};

@@ -176,7 +176,8 @@ fn module_map(rig: &Rig, path: &Path) -> Result<String, Failure> {
         return Err(Failure::refused("the demonstration's module is not one"));
     };
     let sweep = ModuleSweep { checks: 20, ..ModuleSweep::default() };
-    let mut map = sweep::plan_module(rig, module, &vec![GREATEST; module.frees.len()], NODES, &sweep)?;
+    let frees = module.frees.len();
+    let mut map = sweep::plan_module(rig, module, &vec![GREATEST; frees], &vec![NODES; frees], &sweep)?;
     let swept = Sweeping::whole().rows(&sweep, &mut map)?;
     if let Some(failed) = swept.failed.first() {
         return Err(Failure::new(Exit::NotConverged, format!("the module's map: {failed}")));

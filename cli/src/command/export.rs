@@ -91,7 +91,7 @@ mod tests {
     fn names_that_c_would_refuse_are_refused_here() {
         for name in ["", "2nd", "a-b", "a b", "é"] {
             let error = c_array(name, &[1]).unwrap_err();
-            assert!(error.to_string().contains("is no name in C"), "{error}");
+            assert!(error.paragraph().contains("is no name in C"), "{}", error.paragraph());
         }
         let text = c_array("_m2", &[7; 25]).unwrap();
         assert!(

@@ -10,13 +10,17 @@ use crate::{
     output,
     part::Part,
     plan::Plan,
+    refinement::{self, Next},
     sweep::{self, Swept},
     table::{duration, short},
-    values::Values,
+    values::{Values, positive, positive_list, ratio, share, winding_angles},
 };
-use actuator::{Description, FreeParameter, MapAxis, Module, Rig, units::KPA};
+use actuator::{
+    Description, FreeParameter, MapAxis, Module, Rig,
+    units::{KPA, MM},
+};
 use fe::{
-    CappedSweep, FreeSweep, FreeSweepError, ModuleSweep, PathError, SolidError, SolidModuleSettings,
+    CappedSweep, FreeSweep, FreeSweepError, ModuleSweep, PathError, Shard, SolidError, SolidModuleSettings,
     SolidSweep,
 };
 use serde_json::json;
@@ -91,6 +95,10 @@ pub struct Map {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=1000))]
     nodes: Option<u64>,
 
+    /// Take as many pressures per FREE as a fit needs to be this good: 95 % of the states for checks within so many millimetres
+    #[arg(long, value_name = "MM", value_parser = positive, allow_hyphen_values = true, conflicts_with = "nodes")]
+    fit_error_mm: Option<f64>,
+
     /// Compute every node of a module's map, also those that its symmetry makes of others
     #[arg(long)]
     no_symmetry: bool,
@@ -145,39 +153,6 @@ enum Fidelity {
     Rod,
 }
 
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("must be a positive number".into()),
-    }
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|number| (1e-7..=1.0).contains(number));
-    number.ok_or_else(|| "must be a share from 1e-7 to 1".into())
-}
-
-fn ratio(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|number| *number > 1.0 && *number <= 20.0);
-    number.ok_or_else(|| "must be a multiple of the volume above 1 and up to 20, as in 1.5".into())
-}
-
-fn positive_list(text: &str) -> Result<Values, String> {
-    let values: Values = text.parse()?;
-    match values.0.iter().find(|value| **value <= 0.0) {
-        Some(value) => Err(format!("{value} is not positive")),
-        None => Ok(values),
-    }
-}
-
-fn winding_angles(text: &str) -> Result<Values, String> {
-    let values: Values = text.parse()?;
-    match values.0.iter().find(|value| !(1.0..=89.5).contains(*value)) {
-        Some(value) => Err(format!("{value} is not between 1 and 89.5 degrees from the hoop direction")),
-        None => Ok(values),
-    }
-}
-
 impl Map {
     pub fn run(self, json: bool) -> Outcome {
         let rig = Rig::read(&self.of)?;
@@ -185,7 +160,18 @@ impl Map {
         let start = Instant::now();
         let jobs = self.jobs.map_or_else(sweep::processors, |jobs| jobs as usize);
         let lasting = Lasting { out: &self.out, store: self.store.as_deref(), resume: self.resume };
-        let (map, swept) = lasting.complete(plan, self.shard.0, jobs)?;
+        let (mut map, mut swept) = lasting.complete(plan, self.shard.0, jobs)?;
+        if let (Some(error), Description::Module(module)) = (self.fit_error_mm, &rig.description) {
+            while let Some(plan) = self.refined(&rig, module, &map, error * MM)? {
+                let (finer, more) = lasting.complete(plan, self.shard.0, jobs)?;
+                map = finer;
+                swept = Swept {
+                    found: swept.found + more.found,
+                    computed: swept.computed + more.computed,
+                    ..more
+                };
+            }
+        }
         self.tell(&map, &swept, start.elapsed().as_secs_f64(), json);
         Ok(match map.computed() {
             _ if interrupt::is_asked() => Exit::Interrupted,
@@ -212,6 +198,13 @@ impl Map {
             (Description::Free(_), _) if self.no_symmetry => {
                 usage("--no-symmetry is for modules; leave it out")
             }
+            (Description::Free(_), _) if self.fit_error_mm.is_some() => {
+                usage("--fit-error-mm is for modules; leave it out")
+            }
+            _ if self.fit_error_mm.is_some() && (self.shard.0 != Shard::WHOLE || self.resume) => usage(
+                "--fit-error-mm makes several maps, each from the errors of the one before: leave out --shard and --resume, and name \
+                 a --store to keep finished points of all",
+            ),
             (Description::Free(_), _) if self.nodes.is_some() => {
                 usage("--nodes is for modules; a FREE's pressures are set by --pressure-step-kpa")
             }
@@ -234,7 +227,14 @@ impl Map {
                     "--winding-angles and --shear-moduli-mpa are for single FREEs; a module has those of its description",
                 )
             }
-            (Description::Module(module), _) => self.plan_module(rig, module),
+            (Description::Module(module), _) => {
+                let usual = match self.fit_error_mm {
+                    Some(_) => refinement::FIRST,
+                    None => sweep::usual_nodes(module.frees.len()),
+                };
+                let nodes = self.nodes.map_or(usual, |nodes| nodes as usize);
+                self.plan_module(rig, module, &vec![nodes; module.frees.len()])
+            }
         }
     }
 
@@ -305,7 +305,29 @@ impl Map {
         Ok(pressures.0.iter().map(|kpa| kpa * KPA).collect())
     }
 
-    fn plan_module(&self, rig: &Rig, module: &Module) -> Result<Plan, Failure> {
+    /// The finer map that comes after one; `None` where its fit errs by no more than `error` (m), or a finer one would be too large.
+    fn refined(
+        &self,
+        rig: &Rig,
+        module: &Module,
+        map: &MapFile,
+        error: f64,
+    ) -> Result<Option<Plan>, Failure> {
+        let (MapFile::Module(map), false) = (map, interrupt::is_asked()) else { return Ok(None) };
+        let next = refinement::judge(map, error).map_err(|failure| failure.about(&self.out))?;
+        let (Next::Enough(found) | Next::Refine(found, _) | Next::TooMany(found)) = next;
+        eprintln!("{}", refinement::told(map, found, error));
+        match next {
+            Next::Enough(_) => Ok(None),
+            Next::Refine(_, counts) => self.plan_module(rig, module, &counts).map(Some),
+            Next::TooMany(_) => {
+                eprintln!("a finer map would have too many nodes; this one is kept");
+                Ok(None)
+            }
+        }
+    }
+
+    fn plan_module(&self, rig: &Rig, module: &Module, nodes: &[usize]) -> Result<Plan, Failure> {
         let mut sweep =
             ModuleSweep { seed: self.seed, use_symmetry: !self.no_symmetry, ..ModuleSweep::default() };
         if self.fidelity == Some(Fidelity::Solid) {
@@ -313,7 +335,6 @@ impl Map {
             sweep.solids = Some(SolidModuleSettings { elements, ..SolidModuleSettings::default() });
         }
         sweep.checks = self.checks.unwrap_or(sweep.checks);
-        let nodes = self.nodes.map_or_else(|| sweep::usual_nodes(module.frees.len()), |nodes| nodes as usize);
         let greatest =
             rig.limits.pressure_max.iter().map(|own| self.pressure_max_kpa.map_or(*own, |kpa| kpa * KPA));
         let greatest: Vec<f64> = greatest.collect();

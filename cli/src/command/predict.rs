@@ -64,6 +64,9 @@ impl Predictions {
     }
 }
 
+/// Error bars of a module's model against its finite elements: what 95 of 100 errors stay below.
+const BARS: [&str; 2] = ["position_bar_mm", "rotation_bar_deg"];
+
 impl Predict {
     pub fn run(self, json: bool) -> Outcome {
         let model = Model::read(&self.model)?;
@@ -93,16 +96,27 @@ impl Predict {
         let columns = Columns::parse(&self.pressures, bytes, &wanted, frees)?;
         let first = columns.names.len() - frees;
         let mut head = columns.names.clone();
-        head.extend([map_csv::POSE_HEADER.to_owned(), "status".to_owned()]);
+        let steered = goal::module_of(model, &self.model)?;
+        let has_bars = steered.error_bars(&vec![0.0; frees]).is_some();
+        head.push(map_csv::POSE_HEADER.to_owned());
+        head.extend(BARS.iter().filter(|_| has_bars).map(|name| (*name).to_owned()));
+        head.push("status".to_owned());
+        let answers = 7 + if has_bars { BARS.len() } else { 0 };
         let mut predictions = Predictions::under(&head);
-        let module = goal::module_of(model, &self.model)?.tip();
+        let module = steered.tip();
         let mut into = rom::PoseEvaluation::new(frees, 0);
         for row in &columns.rows {
             let pressures: Vec<f64> = row[first..].iter().map(|kpa| kpa * KPA).collect();
             let answer = module.evaluate(&pressures, &mut into);
-            let answer = answer.map(|()| map_csv::pose_cells(&into.chart.to_pose()));
+            let answer = answer.map(|()| {
+                let bars = steered
+                    .error_bars(&pressures)
+                    .map(|[position, rotation]| [position / MM, rotation / DEG]);
+                let pose = map_csv::pose_cells(&into.chart.to_pose());
+                pose.into_iter().chain(bars.into_iter().flatten().map(number)).collect()
+            });
             let cells = row.iter().map(|value| number(*value)).collect();
-            predictions.row(cells, answer.map_err(|error| error.to_string()), 7);
+            predictions.row(cells, answer.map_err(|error| error.to_string()), answers);
         }
         Ok(predictions)
     }
