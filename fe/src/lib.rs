@@ -8,6 +8,7 @@ mod capped_map;
 mod closed_form;
 mod contact;
 mod end_effect;
+mod first_crossing;
 mod free_map;
 mod free_sweep;
 mod jet;
@@ -65,13 +66,14 @@ pub use section::{
 };
 pub use section_law::{SectionLaw, SectionResponse};
 pub use solid::{
-    Branches, Coat, CriticalKind, CriticalPoint, Deformation, FibreModel, Plane, PressureLimit, SolidCost,
-    SolidError, SolidLoad, SolidMesh, SolidMode, SolidPath, SolidSolver, SolidState, Specimen, Stability,
-    StrainAt, StrainFacet, Strains, TipCompliance,
+    Branches, Bulge, Coat, CriticalKind, CriticalPoint, Deformation, FibreModel, Plane, PressureLimit,
+    SolidCost, SolidError, SolidLoad, SolidMesh, SolidMode, SolidPath, SolidSolver, SolidState, Specimen,
+    Stability, StrainAt, StrainFacet, Strains, TipCompliance,
 };
-pub(crate) use solid::{CapForces, CapResponse, CarriedMotion, Lost};
+pub(crate) use solid::{CapForces, CapResponse, CarriedMotion, HELD, Lost};
 pub use solid_map::SolidSweep;
 pub use solid_module::{
-    HeldPlate, SolidEquilibrium, SolidModule, SolidModuleError, SolidModuleSettings, SolidShape,
+    HeldPlate, SolidBuckling, SolidEquilibrium, SolidModule, SolidModuleError, SolidModuleMode,
+    SolidModuleSettings, SolidShape,
 };
 pub use tip_plate::TipLoad;

@@ -109,7 +109,46 @@ fn write_arrays(out: &mut dyn Write, element: &str, arrays: &[Array]) -> io::Res
     writeln!(out, "</{element}>")
 }
 
+impl Values {
+    /// Puts others behind these.
+    fn append(&mut self, other: Values) -> bool {
+        match (self, other) {
+            (Values::F64(own), Values::F64(other)) => own.extend(other),
+            (Values::F32(own), Values::F32(other)) => own.extend(other),
+            (Values::I64(own), Values::I64(other)) => own.extend(other),
+            (Values::U8(own), Values::U8(other)) => own.extend(other),
+            _ => return false,
+        }
+        true
+    }
+}
+
 impl UnstructuredGrid {
+    /// Puts another grid of the same cells and arrays beside this one; arrays of the file as a whole stay as they are.
+    ///
+    /// # Errors
+    /// [`io::ErrorKind::InvalidInput`] where cells or arrays are not the same.
+    pub fn append(&mut self, other: UnstructuredGrid) -> io::Result<()> {
+        let unlike = || io::Error::new(io::ErrorKind::InvalidInput, "grids of unlike cells or arrays");
+        let names = |grid: &UnstructuredGrid| -> Vec<(String, usize)> {
+            let arrays = grid.point_data.iter().chain(&grid.cell_data);
+            arrays.map(|array| (array.name.clone(), array.components)).collect()
+        };
+        if self.cell_type != other.cell_type || names(self) != names(&other) {
+            return Err(unlike());
+        }
+        let first = self.points.len() as i64;
+        self.points.extend(other.points);
+        self.connectivity.extend(other.connectivity.into_iter().map(|point| point + first));
+        let own = self.point_data.iter_mut().chain(&mut self.cell_data);
+        for (own, other) in own.zip(other.point_data.into_iter().chain(other.cell_data)) {
+            if !own.values.append(other.values) {
+                return Err(unlike());
+            }
+        }
+        Ok(())
+    }
+
     /// Writes the grid as a `.vtu` file.
     ///
     /// # Errors
@@ -212,6 +251,28 @@ mod tests {
         assert!(text.contains("Name=\"a&lt;b &amp; &quot;c&quot;\" format"), "{text}");
         // 8 bytes follow: the number of bytes and 1.0f32, 2.0f32.
         assert!(text.contains(">CAAAAAAAAAAAAIA/AAAAQA==<"), "{text}");
+    }
+
+    #[test]
+    fn grids_beside_each_other_keep_their_cells_and_arrays() {
+        let line = |x: f64, values| UnstructuredGrid {
+            points: vec![[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0]],
+            cell_type: LINE,
+            nodes_per_cell: 2,
+            connectivity: vec![0, 1],
+            point_data: vec![Array::new("a", 1, values)],
+            cell_data: vec![Array::new("n", 1, Values::I64(vec![x as i64]))],
+            field_data: vec![],
+        };
+        let mut both = line(0.0, Values::F64(vec![1.0, 2.0]));
+        both.append(line(5.0, Values::F64(vec![3.0, 4.0]))).unwrap();
+        assert_eq!(both.connectivity, [0, 1, 2, 3]);
+        assert_eq!(both.points[3], [6.0, 0.0, 0.0]);
+        assert_eq!(both.point_data[0].values, Values::F64(vec![1.0, 2.0, 3.0, 4.0]));
+        assert_eq!(both.cell_data[0].values, Values::I64(vec![0, 5]));
+        assert!(both.append(line(5.0, Values::F32(vec![3.0, 4.0]))).is_err());
+        let unlike = UnstructuredGrid { point_data: vec![], ..line(5.0, Values::U8(vec![])) };
+        assert!(both.append(unlike).is_err());
     }
 
     #[test]

@@ -3,6 +3,7 @@ use super::{
     mode::BucklingMode,
     module::RodModule,
 };
+use crate::first_crossing::{Crossing, Search, Step};
 
 /// Where a module on its way becomes unstable.
 #[derive(Clone, Debug)]
@@ -31,33 +32,14 @@ impl RodModule {
         goal: &[f64],
         tolerance: f64,
     ) -> Result<Option<Buckling>, RodError> {
-        let at = |share: f64| -> Vec<f64> {
-            start.pressures.iter().zip(goal).map(|(from, to)| from + share * (to - from)).collect()
+        let search = Search::between(&start.pressures, goal, STEP, tolerance);
+        let go = |below: &Equilibrium, share: f64| {
+            let way = start.pressures.iter().zip(goal);
+            let pressures: Vec<f64> = way.map(|(from, to)| from + share * (to - from)).collect();
+            self.solve_from(below, &pressures).map(Step::Reached)
         };
-        let longest =
-            start.pressures.iter().zip(goal).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max);
-        let steps = (longest / STEP).ceil().max(1.0) as usize;
-        let (mut below, mut low) = (start.clone(), 0.0);
-        let mut crossed = None;
-        for step in 1..=steps {
-            let share = step as f64 / steps as f64;
-            let found = self.solve_from(&below, &at(share))?;
-            if found.state.is_buckled() {
-                crossed = Some((found, share));
-                break;
-            }
-            (below, low) = (found, share);
-        }
-        let Some((mut above, mut high)) = crossed else { return Ok(None) };
-        while (high - low) * longest > tolerance {
-            let middle = 0.5 * (low + high);
-            let found = self.solve_from(&below, &at(middle))?;
-            if found.state.is_buckled() {
-                (above, high) = (found, middle);
-            } else {
-                (below, low) = (found, middle);
-            }
-        }
+        let crossing = search.first_crossing(start, go, |found| !found.state.is_buckled())?;
+        let Some(Crossing { below, above: Some(above) }) = crossing else { return Ok(None) };
         let mode = self.softest_mode(&above).ok_or_else(|| above.without_factors())?;
         Ok(Some(Buckling { below, above, mode }))
     }

@@ -68,7 +68,7 @@ impl CapResponse {
     }
 
     /// `step` and what the inside does when the cap makes `motion`.
-    fn following(&self, mut step: Vec<f64>, motion: &Vector6<f64>) -> Vec<f64> {
+    pub(crate) fn following(&self, mut step: Vec<f64>, motion: &Vector6<f64>) -> Vec<f64> {
         let dimension = step.len();
         for (column, by) in self.follows.chunks_exact(dimension).zip(motion.iter()) {
             step.iter_mut().zip(column).for_each(|(value, follow)| *value -= by * follow);
@@ -170,8 +170,24 @@ impl SolidSolver {
     }
 
     fn carried_step(&self, state: &SolidState, step: &[f64], with_mismatch: bool) -> CarriedMotion {
-        let displacements = self.body.displacements(state, step).0;
+        let displacements = self.displacements(state, step);
         CarriedMotion { motion: self.motion(state, step, with_mismatch), displacements }
+    }
+
+    /// What the inside answers to forces on it (columns of all unknowns, one after the other, changed in place to displacements), its cap at
+    /// rest, by a response taken at the configuration assembled last; and what each makes the cap feel.
+    pub(crate) fn inside_answer(&mut self, response: &CapResponse, columns: &mut [f64]) -> Vec<Vector6<f64>> {
+        let (dimension, cap) = (self.unknowns(), self.body.cap_unknown);
+        for column in columns.chunks_exact_mut(dimension) {
+            column[cap..].fill(0.0);
+        }
+        self.substitute(columns);
+        columns.chunks_exact(dimension).map(|column| response.on_cap(column)).collect()
+    }
+
+    /// Displacements of all points (m) for steps of the unknowns at the configuration assembled last.
+    pub(crate) fn displacements(&self, state: &SolidState, step: &[f64]) -> Vec<[f64; 3]> {
+        self.body.displacements(state, step).0
     }
 
     /// Takes the tangents that follow with the tensions of their own positions.

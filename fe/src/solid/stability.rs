@@ -3,7 +3,7 @@ use crate::sparse::lowest_modes;
 use nalgebra::Vector3;
 
 /// Weight of an unknown that is held: its mode lies above all others.
-const HELD: f64 = 1e-15;
+pub(crate) const HELD: f64 = 1e-15;
 
 /// A motion to which an equilibrium gives little resistance, or none.
 ///
@@ -104,7 +104,7 @@ impl SolidSolver {
     }
 
     /// Diagonal of M, N/m (N m for turns).
-    pub(super) fn metric(&self, state: &SolidState) -> Vec<f64> {
+    pub(crate) fn metric(&self, state: &SolidState) -> Vec<f64> {
         let body = &self.body;
         let tube = body.specimen.tube;
         let stiffness = body.specimen.elastomer.initial_shear_modulus() / tube.outer_radius().powi(2);

@@ -267,6 +267,15 @@ impl SolidSolver {
         rubber(&self.body, state, fields)?.write(out)
     }
 
+    /// The rubber of a state as [`SolidSolver::write_vtu`] writes it.
+    pub(crate) fn rubber_grid(
+        &self,
+        state: &SolidState,
+        fields: &[(&str, &[[f64; 3]])],
+    ) -> io::Result<UnstructuredGrid> {
+        rubber(&self.body, state, fields)
+    }
+
     /// Whether there are fibres, which [`SolidSolver::write_fibres_vtu`] would write.
     pub fn has_fibres(&self) -> bool {
         !self.body.fibres.elements.is_empty()

@@ -28,6 +28,9 @@ pub enum SolidModuleError {
         /// How many FREEs there are.
         needed: usize,
     },
+    /// A search was stopped from outside.
+    #[error("stopped before it was finished")]
+    Stopped,
     /// Newton's method did not converge however short the step.
     #[error(transparent)]
     NoEquilibrium(#[from] NoEquilibrium<SolidShape>),

@@ -37,6 +37,11 @@ impl JoinedFree {
         })
     }
 
+    /// Place of its axis on both plates, m.
+    pub fn axis(&self) -> Vector3<f64> {
+        self.axis
+    }
+
     /// Place of the cap in the plate's frame, where a part of the way from rest has been made: FREEs of unequal lengths are put
     /// between the plates on it.
     fn arm(&self, part: f64) -> Vector3<f64> {

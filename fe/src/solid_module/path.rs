@@ -100,7 +100,7 @@ impl SolidModule {
         })
     }
 
-    fn checked(&self, pressures: &[f64]) -> Result<Vec<f64>, SolidModuleError> {
+    pub(super) fn checked(&self, pressures: &[f64]) -> Result<Vec<f64>, SolidModuleError> {
         let finite = pressures.iter().filter(|pressure| pressure.is_finite()).count();
         if finite != self.frees.len() || pressures.len() != finite {
             return Err(SolidModuleError::Count { given: finite, needed: self.frees.len() });
@@ -109,14 +109,14 @@ impl SolidModule {
     }
 
     /// All weights, and the plate on its guides.
-    fn loads_from(&self, shape: &SolidShape) -> Loads {
+    pub(super) fn loads_from(&self, shape: &SolidShape) -> Loads {
         let free = self.tip.free;
         let pressures = shape.pressures.clone();
         Loads { pressures, part: 1.0, payload: 0.0, free, held: Plate::at_height(self.height).0 }
     }
 
     /// Assembles and factorises at an equilibrium, unless the tangent is already that one.
-    fn linearise(&mut self, shape: &SolidShape, loads: &Loads) -> Result<Sums, Lost> {
+    pub(super) fn linearise(&mut self, shape: &SolidShape, loads: &Loads) -> Result<Sums, Lost> {
         let known = self.tangent.as_ref().is_some_and(|tangent| tangent.is_at(shape, loads));
         self.each(|_, free| free.solver.forget_foreseen());
         let sums = self.assemble(shape, loads, !known)?;
@@ -231,7 +231,7 @@ fn between(from: &Loads, to: &Loads, part: f64) -> Loads {
     }
 }
 
-fn no_equilibrium(goal: &Loads, last: &SolidShape, Lost(residual): Lost) -> SolidModuleError {
+pub(super) fn no_equilibrium(goal: &Loads, last: &SolidShape, Lost(residual): Lost) -> SolidModuleError {
     let (goal, reached) = (goal.pressures.clone(), last.pressures.clone());
     NoEquilibrium { goal, reached, residual, last: Box::new(last.clone()) }.into()
 }

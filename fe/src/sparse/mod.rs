@@ -23,5 +23,5 @@ pub(crate) use factorisation::FactorError;
 pub(crate) use factorisation::{Factorisation, Inertia};
 #[cfg(test)]
 pub(crate) use modes::Mode;
-pub(crate) use modes::lowest_modes;
+pub(crate) use modes::{Inverse, lowest_modes};
 pub(crate) use pattern::{BlockPattern, Place};

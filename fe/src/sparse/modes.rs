@@ -19,6 +19,25 @@ pub(crate) struct Mode {
     pub error: f64,
 }
 
+/// A tangent that has been factorised.
+pub(crate) trait Inverse {
+    /// Scalar unknowns.
+    fn dimension(&self) -> usize;
+
+    /// Solves for any number of right-hand sides, one column after the other, in place.
+    fn solve(&mut self, columns: &mut [f64]);
+}
+
+impl Inverse for Factorisation {
+    fn dimension(&self) -> usize {
+        Factorisation::dimension(self)
+    }
+
+    fn solve(&mut self, columns: &mut [f64]) {
+        Factorisation::solve(self, columns);
+    }
+}
+
 /// The modes of smallest |eigenvalue|, negative ones included, the smallest first: fewer than `count` only if K is
 /// smaller. `metric` is the diagonal of M, positive; without it M = 1.
 ///
@@ -27,12 +46,8 @@ pub(crate) struct Mode {
 ///
 /// # Panics
 /// If the last `factorise` failed, or the metric is not positive or of another length.
-pub(crate) fn lowest_modes(
-    factorisation: &mut Factorisation,
-    count: usize,
-    metric: Option<&[f64]>,
-) -> Vec<Mode> {
-    let dimension = factorisation.dimension();
+pub(crate) fn lowest_modes(inverse: &mut impl Inverse, count: usize, metric: Option<&[f64]>) -> Vec<Mode> {
+    let dimension = inverse.dimension();
     let root: Vec<f64> = match metric {
         Some(metric) => {
             assert!(metric.len() == dimension && metric.iter().all(|&m| m > 0.0), "a metric is positive");
@@ -70,7 +85,7 @@ pub(crate) fn lowest_modes(
             for vector in &basis[old..] {
                 columns.extend(vector.iter().zip(&root).map(|(x, m)| x * m));
             }
-            factorisation.solve(&mut columns);
+            inverse.solve(&mut columns);
             images.extend(columns.chunks_exact(dimension).map(|column| scaled(column, &root)));
         }
 

@@ -1,5 +1,6 @@
 //! Tests of modules of solids: against one solid alone, differences, symmetries, the whole system at once.
 
+mod buckling;
 mod derivatives;
 mod one_free;
 mod symmetry;

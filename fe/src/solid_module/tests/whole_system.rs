@@ -1,7 +1,10 @@
 //! The joined system against the same system put together in one piece.
 
 use super::*;
-use crate::{solid_module::equations::Loads, tip_plate::swing};
+use crate::{
+    solid_module::{SolidShape, equations::Loads},
+    tip_plate::swing,
+};
 use nalgebra::{DMatrix, Matrix6, Vector3, Vector6};
 
 #[test]
@@ -54,9 +57,44 @@ fn negative_eigenvalues_are_those_of_the_whole_system_at_once() {
         let negative = whole.symmetric_eigenvalues().iter().filter(|value| **value < 0.0).count();
         assert_eq!(joined.tangent.as_ref().unwrap().negative as usize, negative, "{height}");
         counts.push(negative);
+        let levers: Vec<Matrix6<f64>> =
+            joined.frees.iter().map(|free| free.lever(1.0) * sums.variation.first).collect();
+        let root: Vec<f64> =
+            joined.metric(&shape, &levers, [true; 6]).iter().map(|weight| weight.sqrt()).collect();
+        the_softest_modes_are(&mut joined, &shape, &whole, &root);
     }
     assert!(
         counts[0] == 0 && counts[4] > 2 && counts.iter().any(|count| (1..=2).contains(count)),
         "{counts:?}"
     );
+}
+
+/// Modes against all eigenvectors of M^-1/2 K M^-1/2, root = M^1/2.
+fn the_softest_modes_are(joined: &mut SolidModule, shape: &SolidShape, whole: &DMatrix<f64>, root: &[f64]) {
+    let dimension = root.len();
+    let scaled = DMatrix::from_fn(dimension, dimension, |i, j| whole[(i, j)] / (root[i] * root[j]));
+    let eigen = scaled.symmetric_eigen();
+    let mut order: Vec<usize> = (0..dimension).collect();
+    order.sort_by(|a, b| eigen.eigenvalues[*a].abs().total_cmp(&eigen.eigenvalues[*b].abs()));
+    let modes = joined.softest_modes(shape, 3).unwrap();
+    for (mode, index) in modes.iter().zip(&order) {
+        let value = eigen.eigenvalues[*index];
+        // The joined system's own rounding, of the stiffest against the softest.
+        assert!((mode.value - value).abs() < 1e-6 * value.abs(), "{} {value}", mode.value);
+    }
+    // Of the first, where it is not one of several alike, how it moves the inside of the first FREE.
+    let [first, second] = [0, 1].map(|place| eigen.eigenvalues[order[place]]);
+    if (first - second).abs() < 1e-3 * first.abs() {
+        return;
+    }
+    let vector = eigen.eigenvectors.column(order[0]);
+    let inside = joined.frees[0].solver.unknowns() - 6;
+    let mut own: Vec<f64> = (0..inside).map(|i| vector[i] / root[i]).collect();
+    let plate = Vector6::from_fn(|i, _| vector[dimension - 6 + i] / root[dimension - 6 + i]);
+    own.extend((joined.frees[0].lever(1.0) * shape.plate.vary().first * plate).iter());
+    let expected = joined.frees[0].solver.displacements(&shape.frees[0], &own);
+    let (a, b) = (modes[0].displacements[0].as_flattened(), expected.as_flattened());
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let cosine = dot(a, b) / (dot(a, a) * dot(b, b)).sqrt();
+    assert!(1.0 - cosine.abs() < 1e-9, "{cosine}");
 }
