@@ -14,6 +14,7 @@
 //! * Pressure is gauge, Pa.
 
 pub mod artefact;
+mod case;
 mod description;
 mod elastomer;
 mod elastomer_file;
@@ -39,6 +40,7 @@ mod winding;
 mod wrench;
 mod zonotope;
 
+pub use case::Case;
 pub use description::{Description, DescriptionError, Rig};
 pub use elastomer::{
     ARRUDA_BOYCE, Elastomer, ElastomerError, OgdenForm, OgdenTerm, OgdenTerms, chain_stiffening,

@@ -3,7 +3,6 @@
 mod axis;
 mod base_model;
 mod blocked_report;
-mod case;
 mod choice;
 mod columns;
 mod command;

@@ -1,17 +1,19 @@
-/// Where a straight way of pressures leads from an equilibrium to the next.
+/// Where a straight way of pressures leads from an equilibrium.
 pub(crate) enum Step<F> {
-    /// To the one asked for.
+    /// To the equilibrium of the same path that was asked for.
     Reached(F),
-    /// Not there: the path ends at this one, after a part of the whole way.
-    Ended(F, f64),
+    /// To none: there the path ends, or Newton's method fell from it to another one.
+    Lost,
 }
 
-/// Neighbouring equilibria, the first stable.
+/// Neighbouring equilibria of a path, the first stable.
 pub(crate) struct Crossing<F> {
     /// The last one found stable.
     pub below: F,
-    /// The first found unstable; `None` where the path ends, stable, at `below`.
+    /// The first found unstable; `None` where none was found before the path was lost.
     pub above: Option<F>,
+    /// Part of the whole way by which the path is unstable or lost.
+    pub by: f64,
 }
 
 /// How finely a way is searched.
@@ -31,8 +33,8 @@ impl Search {
         Search { longest, step, tolerance }
     }
 
-    /// Where the way from a stable equilibrium first comes to one that is not: `go` follows it from an equilibrium to a part of the whole way.
-    /// `None` where it stays stable to the end.
+    /// Where the way from a stable equilibrium first comes to one that is not, or is lost: `go` follows it from an equilibrium to a part of the
+    /// whole way. `None` where it stays stable to the end.
     ///
     /// # Errors
     /// Those of `go`.
@@ -42,36 +44,37 @@ impl Search {
         mut go: impl FnMut(&F, f64) -> Result<Step<F>, E>,
         is_stable: impl Fn(&F) -> bool,
     ) -> Result<Option<Crossing<F>>, E> {
-        let steps = (self.longest / self.step).ceil().max(1.0) as usize;
-        let (mut below, mut low) = (start.clone(), 0.0);
-        let mut crossed = None;
-        for step in 1..=steps {
-            let share = step as f64 / steps as f64;
+        let whole = 1.0 / (self.longest / self.step).ceil().max(1.0);
+        let (mut below, mut low, mut stride) = (start.clone(), 0.0, whole);
+        let (mut above, mut high) = loop {
+            if low == 1.0 {
+                return Ok(None);
+            }
+            let share = if low + stride > 1.0 - 1e-9 { 1.0 } else { low + stride };
             match go(&below, share)? {
-                Step::Ended(found, _) if is_stable(&found) => {
-                    return Ok(Some(Crossing { below: found, above: None }));
+                Step::Reached(found) if is_stable(&found) => {
+                    (below, low) = (found, share);
+                    stride = (2.0 * stride).min(whole);
                 }
-                Step::Reached(found) if is_stable(&found) => (below, low) = (found, share),
-                Step::Reached(found) => crossed = Some((found, share)),
-                Step::Ended(found, share) => crossed = Some((found, share)),
+                Step::Reached(found) => break (Some(found), share),
+                Step::Lost if (share - low) * self.longest > self.tolerance => stride = 0.5 * (share - low),
+                Step::Lost => return Ok(Some(Crossing { below, above: None, by: share })),
             }
-            if crossed.is_some() {
-                break;
-            }
-        }
-        let Some((mut above, mut high)) = crossed else { return Ok(None) };
+        };
         while (high - low) * self.longest > self.tolerance {
             let middle = 0.5 * (low + high);
-            match go(&below, middle)? {
+            let mut step = go(&below, middle)?;
+            if let (Step::Lost, Some(above)) = (&step, &above) {
+                // On the other side the path may be firmer.
+                step = go(above, middle)?;
+            }
+            match step {
                 Step::Reached(found) if is_stable(&found) => (below, low) = (found, middle),
-                Step::Ended(found, _) if is_stable(&found) => {
-                    return Ok(Some(Crossing { below: found, above: None }));
-                }
-                Step::Reached(found) => (above, high) = (found, middle),
-                Step::Ended(found, share) => (above, high) = (found, share),
+                Step::Reached(found) => (above, high) = (Some(found), middle),
+                Step::Lost => high = middle,
             }
         }
-        Ok(Some(Crossing { below, above: Some(above) }))
+        Ok(Some(Crossing { below, above, by: high }))
     }
 }
 
@@ -79,11 +82,13 @@ impl Search {
 mod tests {
     use super::*;
 
-    /// A way on which a state is its place, stable below `critical`, that ends at `end`.
-    fn search(critical: f64, end: f64) -> Option<Crossing<f64>> {
+    /// A way on which a state is its place, stable below `critical`, and that is lost on the way up between `lost` and, coming down,
+    /// above it.
+    fn search(critical: f64, lost: [f64; 2]) -> Option<Crossing<f64>> {
         let search = Search { longest: 50.0, step: 2.5, tolerance: 0.1 };
-        let go = |_: &f64, share: f64| -> Result<Step<f64>, ()> {
-            Ok(if share <= end { Step::Reached(share) } else { Step::Ended(end, end) })
+        let go = |from: &f64, share: f64| -> Result<Step<f64>, ()> {
+            let lost = if share > *from { lost[0]..lost[1] } else { lost[0]..lost[0] };
+            Ok(if lost.contains(&share) { Step::Lost } else { Step::Reached(share) })
         };
         search.first_crossing(&0.0, go, |place| *place < critical).unwrap()
     }
@@ -91,20 +96,29 @@ mod tests {
     #[test]
     fn a_crossing_is_bracketed_to_the_tolerance() {
         for critical in [0.0301, 0.4999, 0.5, 0.5001, 0.99] {
-            let found = search(critical, 1.0).unwrap();
+            let found = search(critical, [2.0; 2]).unwrap();
             let above = found.above.unwrap();
             assert!(found.below < critical && critical <= above, "{critical}: {} {above}", found.below);
             assert!((above - found.below) * 50.0 <= 0.1, "{critical}: {} {above}", found.below);
         }
-        assert!(search(1.1, 1.0).is_none());
+        assert!(search(1.1, [2.0; 2]).is_none());
     }
 
     #[test]
-    fn a_path_that_ends_is_told_by_whether_it_was_stable_there() {
-        let ended = search(2.0, 0.633).unwrap();
-        assert!(ended.above.is_none() && ended.below == 0.633, "{}", ended.below);
-        let found = search(0.6201, 0.633).unwrap();
+    fn a_path_that_is_lost_is_found_to_the_tolerance_too() {
+        let ended = search(2.0, [0.633, 2.0]).unwrap();
+        assert!(ended.above.is_none() && ended.below < 0.633 && 0.633 <= ended.by);
+        assert!((ended.by - ended.below) * 50.0 <= 0.1, "{} {}", ended.below, ended.by);
+        let found = search(0.6201, [0.633, 2.0]).unwrap();
         let above = found.above.unwrap();
         assert!(found.below < 0.6201 && 0.6201 <= above && (above - found.below) * 50.0 <= 0.1);
+    }
+
+    #[test]
+    fn where_the_way_up_falls_off_the_way_down_is_taken() {
+        // Between 31 and 33 of 50 the path is lost on the way up.
+        let found = search(0.6301, [0.62, 0.645]).unwrap();
+        let above = found.above.unwrap();
+        assert!(found.below < 0.6301 && 0.6301 <= above && (above - found.below) * 50.0 <= 0.1);
     }
 }

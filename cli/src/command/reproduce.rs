@@ -21,6 +21,7 @@ use std::{
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   freeact reproduce fig2 fig6 --out reproduced
+  freeact reproduce p10 p12 --solids --out reproduced
   freeact reproduce all --out reproduced")]
 pub struct Reproduce {
     /// The studies (default: all that there are)
@@ -35,6 +36,10 @@ pub struct Reproduce {
     #[arg(long, value_enum, default_value = "solid")]
     fidelity: Fidelity,
 
+    /// Modules as solids too, beside the rods (p10, p12): half an hour on two processors
+    #[arg(long)]
+    solids: bool,
+
     /// Coarse meshes and few states: for a quick look, not for numbers
     #[arg(long)]
     coarse: bool,
@@ -47,7 +52,7 @@ pub struct Reproduce {
 /// What computes the states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Fidelity {
-    /// Single FREEs as solids with their caps, modules as rods
+    /// Single FREEs as solids with their caps, modules as rods (as solids too with --solids)
     Solid,
 }
 
@@ -58,6 +63,7 @@ impl Reproduce {
         let start = Instant::now();
         let bench = Bench {
             coarse: self.coarse,
+            solids: self.solids,
             jobs: self.jobs.map_or_else(sweep::processors, |jobs| jobs as usize),
             progress: Progress::bar("studies"),
             laws: Laws::default(),
@@ -95,6 +101,7 @@ impl Reproduce {
             let mut value = study::json(&done);
             value["out"] = json!(self.out);
             value["coarse"] = json!(self.coarse);
+            value["solids"] = json!(self.solids);
             value["seconds"] = json!(seconds);
             let failed =
                 failed.iter().map(|(title, failure)| json!({ "title": title, "why": failure.paragraph() }));

@@ -11,6 +11,8 @@ use std::sync::{
 pub struct Bench {
     /// Coarse meshes and few states: for a look, not for numbers.
     pub coarse: bool,
+    /// Modules as solids too, beside the rods.
+    pub solids: bool,
     /// Threads.
     pub jobs: usize,
     /// Told of progress.

@@ -2,18 +2,18 @@
 
 use super::{
     bench::{Bench, steps},
-    findings::{Curves, Finding, Findings, Titled, Verdict},
+    findings::{Curves, Findings, Grid, Titled},
+    idle_claims::judge,
+    idle_pictures::figures,
     module_rods::{GREATEST_KPA, Kind, READINGS, SPACING_MM},
+    module_solids::{SolidRise, least_idle, rise, with_idle},
 };
-use crate::{
-    case::{Case, cases},
-    exit::Exit,
-    failure::Failure,
-    interrupt,
-    plot::{Chart, Field, Mark, Patch, Series},
+use crate::{exit::Exit, failure::Failure, interrupt};
+use actuator::{
+    Case, ModuleState,
+    units::{DEG, KPA, MM},
 };
-use actuator::units::{DEG, KPA, MM};
-use fe::{Buckling, Equilibrium, IdlePressure, RodError, RodModule, RodSettings};
+use fe::{Buckling, IdlePressure, RodError, RodSettings};
 use nalgebra::Vector3;
 
 /// To which a pressure of buckling is found, Pa.
@@ -22,37 +22,46 @@ const TOLERANCE: f64 = 20.0;
 const MOST_IDLE: f64 = 0.3;
 
 /// A module's state with pressure in the diagonal pair and in the idle FREEs.
-struct Node {
-    case_kpa: f64,
-    idle_kpa: f64,
-    found: Option<Shape>,
+pub struct Node {
+    pub case_kpa: f64,
+    pub idle_kpa: f64,
+    pub found: Option<Shape>,
 }
 
 /// How it stands.
 #[derive(Clone, Copy)]
-struct Shape {
+pub struct Shape {
     /// Greatest distance of an idle FREE's centreline from the line between its ends, mm.
-    bow: f64,
-    twist: f64,
-    rise: f64,
-    gap: f64,
-    unstable: bool,
+    pub bow: f64,
+    pub twist: f64,
+    pub rise: f64,
+    pub gap: f64,
+    pub unstable: bool,
 }
 
 /// A module without ties in case 2.
-struct Studied {
-    kind: &'static Kind,
-    buckling: Option<Buckling>,
+pub struct Studied {
+    pub kind: &'static Kind,
+    pub buckling: Option<Buckling>,
     /// Why the path ended before the greatest pressure.
-    ended: Option<String>,
-    /// Least idle pressure (kPa) by the case's.
-    least: Vec<(f64, String)>,
-    nodes: Vec<Node>,
+    pub ended: Option<String>,
+    /// Least idle pressure by the case's (kPa); `None` where there is no equilibrium from rest.
+    pub least: Vec<(f64, Option<IdlePressure>)>,
+    pub nodes: Vec<Node>,
+    /// The same as solids.
+    pub solids: Option<StudiedSolids>,
+}
+
+/// A module of solids without ties in case 2.
+pub struct StudiedSolids {
+    pub rise: SolidRise,
+    /// Least idle pressure by the case's (kPa).
+    pub least: Vec<(f64, IdlePressure)>,
 }
 
 impl Studied {
     /// States without idle pressure.
-    fn bare(&self) -> impl Iterator<Item = (f64, Shape)> + '_ {
+    pub fn bare(&self) -> impl Iterator<Item = (f64, Shape)> + '_ {
         self.nodes
             .iter()
             .filter(|node| node.idle_kpa == 0.0)
@@ -60,13 +69,36 @@ impl Studied {
     }
 }
 
+impl StudiedSolids {
+    /// Stable states without idle pressure.
+    pub fn bare(&self) -> impl Iterator<Item = (f64, Shape)> + '_ {
+        let case = case();
+        let states = self.rise.states.iter();
+        states.map(move |found| {
+            let shape = shape(&found.centrelines, &case, self.rise.rest_height, &found.state);
+            (found.pressure_kpa, shape)
+        })
+    }
+
+    /// Pressures (kPa) up to which it is stable and by which it is not.
+    pub fn critical_kpa(&self) -> Option<[f64; 2]> {
+        let buckling = self.rise.buckling.as_ref()?;
+        let most = |pressures: &[f64]| pressures.iter().copied().fold(0.0, f64::max) / KPA;
+        Some([most(buckling.below.shape.pressures()), most(&buckling.by)])
+    }
+}
+
+/// The diagonal pair: the same FREEs whatever their angle and spacing.
+fn case() -> Case {
+    Case::all(&READINGS[0].module(SPACING_MM, 0)).swap_remove(1)
+}
+
 fn lost(error: RodError) -> Failure {
     Failure::new(Exit::NotConverged, error)
 }
 
-/// Of the idle FREEs of a case.
-fn shape(rods: &RodModule, case: &Case, rest_height: f64, found: &Equilibrium) -> Shape {
-    let lines = found.configuration.centrelines(rods);
+/// Of the idle FREEs of a case, by the centrelines (m) of all.
+fn shape(lines: &[Vec<[f64; 3]>], case: &Case, rest_height: f64, state: &ModuleState) -> Shape {
     let bow = |line: &Vec<[f64; 3]>| -> f64 {
         let line: Vec<Vector3<f64>> = line.iter().copied().map(Vector3::from).collect();
         let (Some(first), Some(last)) = (line.first(), line.last()) else { return 0.0 };
@@ -77,22 +109,17 @@ fn shape(rods: &RodModule, case: &Case, rest_height: f64, found: &Equilibrium) -
     let idle = lines.iter().zip(&case.inflated).filter(|(_, inflated)| !**inflated);
     Shape {
         bow: idle.map(|(line, _)| bow(line)).fold(0.0, f64::max) / MM,
-        twist: found.state.chart.twist / DEG,
-        rise: (found.state.chart.position[2] - rest_height) / MM,
-        gap: found.state.gap.map_or(f64::NAN, |gap| gap / MM),
-        unstable: found.state.negative_pivots > 0,
+        twist: state.chart.twist / DEG,
+        rise: (state.chart.position[2] - rest_height) / MM,
+        gap: state.gap.map_or(f64::NAN, |gap| gap / MM),
+        unstable: state.is_buckled(),
     }
-}
-
-/// Pressures of the case with some in its idle FREEs, Pa.
-fn with_idle(case: &Case, pressure: f64, idle: f64) -> Vec<f64> {
-    case.pressures(&[idle; 4], &[pressure; 4], 1.0)
 }
 
 fn study(bench: &Bench, kind: &'static Kind) -> Result<Studied, Failure> {
     let module = kind.module(SPACING_MM, 0);
     let rods = bench.rods(&module, RodSettings::default())?;
-    let case = cases(&module).swap_remove(1);
+    let case = case();
     let rest = rods.rest().map_err(lost)?;
     let height = rest.state.chart.position[2];
     let greatest = GREATEST_KPA * KPA;
@@ -116,7 +143,7 @@ fn study(bench: &Bench, kind: &'static Kind) -> Result<Studied, Failure> {
             let found = match rods.solve_from(&last, &goal) {
                 Ok(found) => {
                     last = found;
-                    Some(shape(&rods, &case, height, &last))
+                    Some(shape(&last.configuration.centrelines(&rods), &case, height, &last.state))
                 }
                 Err(_) => None,
             };
@@ -124,20 +151,56 @@ fn study(bench: &Bench, kind: &'static Kind) -> Result<Studied, Failure> {
         }
         Ok(nodes)
     })?;
-    let tried = steps(GREATEST_KPA, if bench.coarse { 2 } else { 5 });
-    let least = bench.each("least idle pressure", &tried, |pressure| {
+    let least = bench.each("least idle pressure", &tried(bench), |pressure| {
         let found = rods.least_idle_pressure(&with_idle(&case, *pressure, 0.0), MOST_IDLE * pressure, 50.0);
-        Ok((
-            pressure / KPA,
-            match found {
-                Ok(IdlePressure::NotNeeded) => "stable without".to_owned(),
-                Ok(IdlePressure::Least(idle)) => format!("{:.2}", idle / KPA),
-                Ok(IdlePressure::NeverEnough) => format!("unstable up to {:.1}", MOST_IDLE * pressure / KPA),
-                Err(_) => "no equilibrium from rest".to_owned(),
-            },
-        ))
+        Ok((pressure / KPA, found.ok()))
     })?;
-    Ok(Studied { kind, buckling, ended, least, nodes: columns.into_iter().flatten().collect() })
+    let nodes = columns.into_iter().flatten().collect();
+    Ok(Studied { kind, buckling, ended, least, nodes, solids: None })
+}
+
+/// Pressures (Pa) of the case for which the least idle pressure is sought.
+fn tried(bench: &Bench) -> Vec<f64> {
+    steps(GREATEST_KPA, if bench.coarse { 2 } else { 5 })
+}
+
+/// Adds the same by solids.
+fn add_solids(bench: &Bench, studied: &mut [Studied]) -> Result<(), Failure> {
+    let tolerance = if bench.coarse { 1e3 } else { 100.0 };
+    let rises = rise(bench, &READINGS, tolerance)?;
+    for (studied, rise) in studied.iter_mut().zip(rises) {
+        studied.solids = Some(StudiedSolids { rise, least: vec![] });
+    }
+    // Below where it buckles none is needed.
+    let needs = |studied: &Studied, pressure: f64| {
+        let critical = studied.solids.as_ref().and_then(StudiedSolids::critical_kpa);
+        critical.is_some_and(|[below, _]| pressure > below * KPA)
+    };
+    let all: Vec<(usize, f64)> =
+        (0..studied.len()).flat_map(|place| tried(bench).into_iter().map(move |p| (place, p))).collect();
+    let wanted: Vec<(usize, f64)> =
+        all.iter().copied().filter(|(place, pressure)| needs(&studied[*place], *pressure)).collect();
+    let asked: Vec<(&'static Kind, f64)> =
+        wanted.iter().map(|(place, pressure)| (studied[*place].kind, *pressure)).collect();
+    let found = least_idle(bench, &asked, MOST_IDLE)?;
+    for (place, pressure) in all {
+        let known = wanted.iter().zip(&found).find(|(wanted, _)| **wanted == (place, pressure));
+        let least = known.map_or(IdlePressure::NotNeeded, |(_, least)| *least);
+        if let Some(solids) = &mut studied[place].solids {
+            solids.least.push((pressure / KPA, least));
+        }
+    }
+    Ok(())
+}
+
+/// An idle pressure in words, kPa.
+fn in_words(least: Option<IdlePressure>, case_kpa: f64) -> String {
+    match least {
+        Some(IdlePressure::NotNeeded) => "stable without".to_owned(),
+        Some(IdlePressure::Least(idle)) => format!("{:.2}", idle / KPA),
+        Some(IdlePressure::NeverEnough) => format!("unstable up to {:.1}", MOST_IDLE * case_kpa),
+        None => "no equilibrium from rest".to_owned(),
+    }
 }
 
 /// Computes it.
@@ -145,55 +208,87 @@ pub fn compute(bench: &Bench) -> Result<Findings, Failure> {
     for kind in &READINGS {
         bench.rod_law(kind.angle_deg)?;
     }
-    let studied = READINGS.iter().map(|kind| study(bench, kind)).collect::<Result<Vec<_>, _>>()?;
-    let mut findings = Findings { setup: setup(), ..Findings::default() };
+    let mut studied = READINGS.iter().map(|kind| study(bench, kind)).collect::<Result<Vec<_>, _>>()?;
+    if bench.solids {
+        add_solids(bench, &mut studied)?;
+    }
+    let mut findings = Findings { setup: setup(bench), ..Findings::default() };
     judge(&studied, &mut findings);
+    findings.tables.extend([bows(&studied), least(&studied)]);
+    for studied in &mut studied {
+        figures(studied, &mut findings);
+        if let Some(solids) = &mut studied.solids
+            && !solids.rise.grid.is_empty()
+        {
+            let name = format!("fig13-{}-buckling.vtu", stem(studied.kind));
+            findings.grids.push(Grid { name, bytes: std::mem::take(&mut solids.rise.grid) });
+        }
+    }
+    findings.curves.push(curves(&studied));
+    Ok(findings)
+}
+
+/// What files of a reading are called by.
+pub fn stem(kind: &Kind) -> &'static str {
+    if kind.angle_deg > 45.0 { "hoop" } else { "axis" }
+}
+
+fn bows(studied: &[Studied]) -> Titled {
     let mut table = Titled::new(
         "Case 2 without ties and without idle pressure: idle FREEs",
-        ["<reading", "kPa", "bow (mm)", "twist (°)", "along (mm)", "least gap (mm)", "<equilibrium"],
+        ["<reading", "<as", "kPa", "bow (mm)", "twist (°)", "along (mm)", "least gap (mm)", "<equilibrium"],
     );
-    let mut idle = Titled::new(
-        "Least pressure in the idle FREEs that keeps the module stable",
-        ["<reading", "case (kPa)", "idle (kPa)"],
-    );
-    let mut rows = vec![];
-    for studied in &studied {
+    for studied in studied {
+        let row = |model: &str, (pressure, shape): (f64, Shape)| {
+            vec![
+                studied.kind.name.into(),
+                model.into(),
+                format!("{pressure:.1}"),
+                format!("{:.2}", shape.bow),
+                format!("{:+.1}", shape.twist),
+                format!("{:+.2}", shape.rise),
+                format!("{:.2}", shape.gap),
+                if shape.unstable { "unstable" } else { "stable" }.into(),
+            ]
+        };
         let every = studied.bare().count().div_ceil(5).max(1);
-        for (place, (pressure, shape)) in studied.bare().enumerate() {
-            if (place + 1) % every == 0 {
-                table.rows.push(vec![
-                    studied.kind.name.into(),
-                    format!("{pressure:.1}"),
-                    format!("{:.2}", shape.bow),
-                    format!("{:+.1}", shape.twist),
-                    format!("{:+.2}", shape.rise),
-                    format!("{:.2}", shape.gap),
-                    if shape.unstable { "unstable" } else { "stable" }.into(),
-                ]);
-            }
-        }
-        let each = studied.least.iter();
-        idle.rows.extend(
-            each.map(|(kpa, told)| vec![studied.kind.name.into(), format!("{kpa:.1}"), told.clone()]),
-        );
-        for node in &studied.nodes {
-            let mut row: Vec<String> = vec![studied.kind.angle_deg.to_string()];
-            row.extend([node.case_kpa, node.idle_kpa].map(|kpa| format!("{kpa:.4}")));
-            row.extend(node.found.map_or_else(
-                || vec![String::new(); 5],
-                |shape| {
-                    let numbers =
-                        [shape.bow, shape.twist, shape.rise, shape.gap].map(|number| format!("{number:.6}"));
-                    numbers.into_iter().chain([u8::from(shape.unstable).to_string()]).collect()
-                },
-            ));
-            rows.push(row);
-        }
-        figures(studied, &mut findings);
+        let shown = |place: usize| (place + 1).is_multiple_of(every);
+        let rods: Vec<_> =
+            studied.bare().enumerate().filter(|(place, _)| shown(*place)).map(|(_, state)| state).collect();
+        table.rows.extend(rods.iter().map(|state| row("rods", *state)));
+        let Some(solids) = &studied.solids else { continue };
+        let last = solids.bare().count().saturating_sub(1);
+        let alike = |kpa: f64| rods.iter().any(|(other, _)| (other - kpa).abs() < 1e-6);
+        let solids = solids.bare().enumerate().filter(|(place, (kpa, _))| *place == last || alike(*kpa));
+        table.rows.extend(solids.map(|(_, state)| row("solids", state)));
     }
-    findings.tables.extend([table, idle]);
+    table
+}
+
+fn least(studied: &[Studied]) -> Titled {
+    let mut table = Titled::new(
+        "Least pressure in the idle FREEs that keeps the module stable",
+        ["<reading", "case (kPa)", "rods: idle (kPa)", "solids: idle (kPa)"],
+    );
+    for studied in studied {
+        for (place, (kpa, by_rods)) in studied.least.iter().enumerate() {
+            let solids = studied.solids.as_ref().and_then(|solids| solids.least.get(place));
+            table.rows.push(vec![
+                studied.kind.name.into(),
+                format!("{kpa:.1}"),
+                in_words(*by_rods, *kpa),
+                solids
+                    .map_or_else(|| "not computed".into(), |(_, by_solids)| in_words(Some(*by_solids), *kpa)),
+            ]);
+        }
+    }
+    table
+}
+
+fn curves(studied: &[Studied]) -> Curves {
     let head = vec![
         "angle_from_hoop_deg",
+        "model",
         "case_kpa",
         "idle_kpa",
         "bow_mm",
@@ -202,170 +297,52 @@ pub fn compute(bench: &Bench) -> Result<Findings, Failure> {
         "gap_mm",
         "unstable",
     ];
-    findings.curves.push(Curves { stem: "fig13-idle".into(), head, rows });
-    Ok(findings)
-}
-
-fn setup() -> Vec<String> {
-    vec![
-        format!(
-            "Simulated by rods without ties, {SPACING_MM} mm apart: case 2, a diagonal pair under pressure to {GREATEST_KPA} kPa, with 0 to {:.0} % of that \
-             in the idle pair. Buckling is the first change of sign of the tangent's inertia on the way from rest, to {TOLERANCE} Pa. Bow is the greatest \
-             distance of an idle FREE's centreline from the line between its ends.",
-            100.0 * MOST_IDLE
-        ),
-        "Rods know neither contact between FREEs (a negative gap tells where it would be) nor changes of a section's shape: a tube that flattens or \
-         wrinkles under twist is not seen. That is for the solid module, which has not checked these states yet."
-            .into(),
-    ]
-}
-
-/// Which FREEs a mode moves, by its shifts of the inflated and the idle ones.
-fn mode_in_words(buckling: &Buckling) -> String {
-    let shifts: Vec<String> = buckling.mode.shifts().iter().map(|shift| format!("{shift:.2}")).collect();
-    let [x, y, _] = buckling.mode.tip_shift;
-    format!("shifts of FREEs 1 to 4 {}, of the tip {:.2}", shifts.join(", "), x.hypot(y))
-}
-
-fn judge(studied: &[Studied], findings: &mut Findings) {
-    let each = |told: &dyn Fn(&Studied) -> String| {
-        studied
-            .iter()
-            .map(|studied| format!("{}: {}", studied.kind.name, told(studied)))
-            .collect::<Vec<_>>()
-            .join("; ")
-    };
-    let bowed = |studied: &Studied| match studied.bare().last() {
-        None => String::new(),
-        Some((kpa, shape)) => {
-            let touch = studied.bare().find(|(_, shape)| shape.gap < 0.0);
-            let touch = touch.map_or_else(String::new, |(kpa, shape)| {
-                format!(", FREEs in each other's way from {kpa:.1} kPa ({:+.0}° of twist)", shape.twist)
-            });
-            format!("bow {:.1} mm at {kpa:.0} kPa{touch}", shape.bow)
+    let mut rows = vec![];
+    for studied in studied {
+        let mut add = |model: &str, case_kpa: f64, idle_kpa: f64, found: Option<Shape>| {
+            let mut row: Vec<String> = vec![studied.kind.angle_deg.to_string(), model.into()];
+            row.extend([case_kpa, idle_kpa].map(|kpa| format!("{kpa:.4}")));
+            row.extend(found.map_or_else(
+                || vec![String::new(); 5],
+                |shape| {
+                    let numbers =
+                        [shape.bow, shape.twist, shape.rise, shape.gap].map(|number| format!("{number:.6}"));
+                    numbers.into_iter().chain([u8::from(shape.unstable).to_string()]).collect()
+                },
+            ));
+            rows.push(row);
+        };
+        for node in &studied.nodes {
+            add("rods", node.case_kpa, node.idle_kpa, node.found);
         }
-    };
-    let any = studied.iter().any(|studied| studied.buckling.is_some());
-    findings.findings.push(Finding {
-        row: "P12",
-        claim: "case 2 of the 60 LR: the two idle FREEs buckle",
-        ours: each(&|studied: &Studied| {
-            let buckled = match (&studied.buckling, &studied.ended) {
-                (Some(buckling), _) => {
-                    let pressures = &buckling.above.pressures;
-                    let at = pressures.iter().fold(0.0f64, |most, pressure| most.max(*pressure));
-                    format!("buckles at {:.2} kPa ({})", at / KPA, mode_in_words(buckling))
-                }
-                (None, Some(error)) => format!("no buckling before the path ends ({error})"),
-                (None, None) => "no buckling to 50 kPa".into(),
-            };
-            format!("{buckled}, {}", bowed(studied))
-        }),
-        verdict: if any { Verdict::Holds } else { Verdict::CannotBeJudged },
-        reason: match any {
-            true => "the tangent loses its stability on the way".into(),
-            false => "as rods they do not: the plate's turn inclines them, so that they bow from the start, in the one equilibrium there is, and run into \
-                      the others. What the paper saw may be that bow, contact, or a tube that collapses under twist, which rods do not know"
-                .into(),
-        },
-    });
-    let smaller = |studied: &Studied| {
-        let most = studied.nodes.iter().map(|node| node.case_kpa).fold(0.0, f64::max);
-        let told = studied
-            .nodes
-            .iter()
-            .filter(|node| node.case_kpa == most)
-            .filter_map(|node| Some(format!("{:.1} mm with {:.1} kPa", node.found?.bow, node.idle_kpa)));
-        format!("bow at {most:.0} kPa {}", told.collect::<Vec<_>>().join(", "))
-    };
-    findings.findings.push(Finding {
-        row: "P12",
-        claim: "a small pressure in them prevents it",
-        ours: each(&smaller),
-        verdict: if any { Verdict::of(studied.iter().all(prevented)) } else { Verdict::CannotBeJudged },
-        reason: match any {
-            true => "least idle pressures are in the table".into(),
-            false if studied.iter().all(grows) => {
-                "there is no buckling to prevent in rods, and idle pressure does not lessen the bow but adds to it: the idle FREEs turn and stretch by their own \
-                 pressure, against the plates"
-                    .into()
-            }
-            false => "there is no buckling to prevent in rods; how idle pressure changes the bow is the map".into(),
-        },
-    });
-}
-
-/// Whether the bow under the greatest pressure grows with the idle pressure.
-fn grows(studied: &Studied) -> bool {
-    let most = studied.nodes.iter().map(|node| node.case_kpa).fold(0.0, f64::max);
-    let last =
-        studied.nodes.iter().filter(|node| node.case_kpa == most).filter_map(|node| Some(node.found?.bow));
-    last.collect::<Vec<_>>().windows(2).all(|pair| pair[1] >= pair[0])
-}
-
-/// Whether idle pressure keeps a module stable wherever it would not be.
-fn prevented(studied: &Studied) -> bool {
-    studied.least.iter().all(|(_, told)| told == "stable without" || told.parse::<f64>().is_ok())
-}
-
-fn figures(studied: &Studied, findings: &mut Findings) {
-    let stems = match studied.kind.angle_deg > 45.0 {
-        true => ["fig13-hoop-bow", "fig13-hoop-idle"],
-        false => ["fig13-axis-bow", "fig13-axis-idle"],
-    };
-    let name = studied.kind.name;
-    let mut chart = Chart {
-        subtitle: "case 2, no ties".into(),
-        legend: "in the idle FREEs".into(),
-        ..Chart::new(
-            format!("{name}: bow of idle FREEs, simulated"),
-            "pressure of the diagonal pair (kPa)",
-            "bow (mm)",
-        )
-    };
-    let mut idles: Vec<f64> = studied.nodes.iter().map(|node| node.idle_kpa).collect();
-    idles.dedup();
-    for idle in &idles {
-        let own = studied.nodes.iter().filter(|node| node.idle_kpa == *idle);
-        let points =
-            own.map(|node| (node.case_kpa, node.found.map_or(f64::NAN, |shape| shape.bow))).collect();
-        chart = chart.with(Series::new(format!("{idle:.1} kPa"), Mark::Line, points));
+        for (kpa, shape) in studied.solids.iter().flat_map(StudiedSolids::bare) {
+            add("solids", kpa, 0.0, Some(shape));
+        }
     }
-    findings.figures.push((
-        stems[0],
-        chart.into(),
-        "Greatest distance of an idle FREE from the line between its ends.".into(),
-    ));
-    let step = |values: &[f64]| {
-        values.windows(2).map(|pair| pair[1] - pair[0]).find(|step| *step > 0.0).unwrap_or(1.0)
-    };
-    let cases: Vec<f64> =
-        studied.nodes.iter().filter(|node| node.idle_kpa == idles[0]).map(|node| node.case_kpa).collect();
-    let (wide, high) = (0.5 * step(&cases), 0.5 * step(&idles));
-    let patches = studied.nodes.iter().filter_map(|node| {
-        let (x, y, shape) = (node.case_kpa, node.idle_kpa, node.found?);
-        Some(Patch {
-            corners: [(x - wide, y - high), (x + wide, y - high), (x + wide, y + high), (x - wide, y + high)],
-            value: shape.bow,
-        })
-    });
-    let unstable = studied.nodes.iter().filter(|node| node.found.is_some_and(|shape| shape.unstable));
-    let unstable = unstable.map(|node| (node.case_kpa, node.idle_kpa)).collect();
-    let field = Field {
-        subtitle: "rings: unstable; empty: no equilibrium found".into(),
-        patches: patches.collect(),
-        lines: vec![Series::new("", Mark::Rings, unstable)],
-        equal_axes: false,
-        ..Field::new(
-            format!("{name}: bow over both pressures, simulated"),
-            "pressure of the diagonal pair (kPa)",
-            "pressure of the idle pair (kPa)",
-            "bow (mm)",
-        )
-    };
-    findings.figures.push((
-        stems[1],
-        field.into(),
-        "Each block is one computed state, followed along its row from the left.".into(),
-    ));
+    Curves { stem: "fig13-idle".into(), head, rows }
+}
+
+fn setup(bench: &Bench) -> Vec<String> {
+    let rods = format!(
+        "Simulated by rods without ties, {SPACING_MM} mm apart: case 2, a diagonal pair under pressure to {GREATEST_KPA} kPa, with 0 to {:.0} % of that \
+         in the idle pair. Buckling is the first change of sign of the tangent's inertia on the way from rest, to {TOLERANCE} Pa. Bow is the greatest \
+         distance of an idle FREE's centreline from the line between its ends.",
+        100.0 * MOST_IDLE
+    );
+    let limits = "Rods know neither contact between FREEs (a negative gap tells where it would be) nor changes of a section's shape: a tube that flattens or \
+                  wrinkles under twist is not seen.";
+    if !bench.solids {
+        return vec![
+            rods,
+            format!("{limits} Solids see the walls: --solids computes these states with them too."),
+        ];
+    }
+    let solids = "Solids see the walls: every FREE a whole tube of finite elements with threads 0.15 mm wide, the plate with all its freedom. Buckling is where the first \
+                  eigenvalue of the whole passes zero, or where walls snap and the pose jumps, found to 0.1 kPa; the least idle pressure is where that happens \
+                  as the idle pressure falls from 30 % of the case's. Solids do not touch each other either.";
+    vec![
+        rods,
+        limits.into(),
+        if bench.coarse { format!("{solids} Coarse: to 1 kPa.") } else { solids.into() },
+    ]
 }

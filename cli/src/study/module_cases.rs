@@ -3,13 +3,14 @@
 use super::{
     bench::{Bench, steps},
     findings::{Curves, Finding, Findings, Titled, Verdict},
-    module_rods::{CasePath, GREATEST_KPA, KINDS, Kind, SPACING_MM, TIED, TipMotion, follow},
+    module_comparison::{self, Compared, end_in_words, stable},
+    module_rods::{CasePath, GREATEST_KPA, KINDS, Kind, LENGTH_MM, SPACING_MM, TIED, TipMotion, follow},
 };
 use crate::{
-    case::cases,
     failure::Failure,
     plot::{Chart, Mark, Series},
 };
+use actuator::Case;
 use fe::RodSettings;
 
 /// A module with or without ties, in all cases.
@@ -86,11 +87,16 @@ pub fn compute(bench: &Bench) -> Result<Findings, Failure> {
         KINDS[..kinds.len()].iter().flat_map(|kind| [(kind, TIED), (kind, 0)]).collect();
     let followed = bench.each("Figs. 8 to 10: modules", &setups, |(kind, spacers)| {
         let module = kind.module(SPACING_MM, *spacers);
-        let rods = bench.rods(&module, RodSettings::default())?;
-        let paths =
-            cases(&module).iter().map(|case| follow(&rods, case, &pressures)).collect::<Result<_, _>>()?;
+        let mut rods = bench.rods(&module, RodSettings::default())?;
+        let cases = Case::all(&module);
+        let paths = cases.iter().map(|case| follow(&mut rods, case, &pressures, true));
+        let paths = paths.collect::<Result<_, _>>()?;
         Ok(Followed { kind, spacers: *spacers, paths })
     })?;
+    let by_solids = match bench.solids {
+        true => bench.solid_cases(&KINDS[..kinds.len()], &steps(GREATEST_KPA, 5))?,
+        false => vec![],
+    };
     let mut findings = Findings { setup: setup(bench), ..Findings::default() };
     let of = |name: &str, spacers: u32| {
         followed.iter().find(|followed| followed.kind.name == name && followed.spacers == spacers)
@@ -100,6 +106,7 @@ pub fn compute(bench: &Bench) -> Result<Findings, Failure> {
             let name = claim.split(',').next().unwrap_or_default();
             let (Some(tied), Some(loose)) = (of(name, TIED), of(name, 0)) else { continue };
             let (tied, loose) = (&tied.paths[said.case], &loose.paths[said.case]);
+            let solids = by_solids.iter().find(|(kind, case, _)| kind.name == name && *case == said.case);
             let unstable = loose.unstable_from();
             let left = match unstable {
                 Some(from) => format!(
@@ -110,17 +117,45 @@ pub fn compute(bench: &Bench) -> Result<Findings, Failure> {
             let ended = loose.ended.as_ref().map_or_else(String::new, |_| {
                 format!(". Without ties the path ends at {:.1} kPa", loose.last().pressure_kpa)
             });
-            findings.findings.push(Finding {
-                row: "P10",
-                claim,
-                ours: format!("tied: {}; without ties: {}", tied.last().told(), loose.last().told()),
-                verdict: Verdict::of((said.holds)(&tied.motions())),
-                reason: format!("{}{left}{ended}", (said.reason)(&tied.last())),
-            });
+            let by_rods = (said.holds)(&tied.motions());
+            let mut ours = format!("tied: {}; without ties: {}", tied.last().told(), loose.last().told());
+            let (mut verdict, mut solids_say) = (Verdict::of(by_rods), String::new());
+            if let Some((.., path)) = solids {
+                let motions = stable(path);
+                let last = motions.last().copied().unwrap_or_else(|| path.last());
+                ours += &format!(", as solids {}{}", last.told(), end_in_words(path));
+                let by_solids = (said.holds)(&motions);
+                // The paper says nothing of ties, and solids have none.
+                verdict = if by_rods == by_solids { verdict } else { Verdict::CannotBeJudged };
+                solids_say = match (by_rods, by_solids) {
+                    (true, true) => ". Solids without ties do so too, as far as they are stable",
+                    (false, false) => ". Nor do solids without ties",
+                    (true, false) => {
+                        ". Solids without ties do not: it hangs on ties, which the paper does not tell of"
+                    }
+                    (false, true) => {
+                        ". Solids without ties do: it hangs on ties, which the paper does not tell of"
+                    }
+                }
+                .into();
+            }
+            let reason = format!("{}{left}{ended}{solids_say}", (said.reason)(&tied.last()));
+            findings.findings.push(Finding { row: "P10", claim, ours, verdict, reason });
         }
     }
     findings.tables.push(table(&followed));
     findings.curves.push(curves(&followed));
+    let compared: Vec<Compared<'_>> = by_solids
+        .iter()
+        .filter_map(|(kind, case, solids)| {
+            let rods = &of(kind.name, 0)?.paths[*case];
+            Some(Compared { kind, case: *case, rods, solids })
+        })
+        .collect();
+    if !compared.is_empty() {
+        findings.tables.push(module_comparison::table(&compared, LENGTH_MM));
+        findings.curves.push(module_comparison::curves(&compared));
+    }
     for pair in followed.chunks(2) {
         if let [tied, loose] = pair {
             figures(tied, loose, &mut findings);
@@ -145,8 +180,17 @@ fn setup(bench: &Bench) -> Vec<String> {
             .into(),
         "The path that comes from rest is followed through instability, as a perfect module would go; where a real one leaves it, states are called \
          unstable (a pivot of the tangent is negative) and ringed in figures. FREEs that touch are not kept apart: a negative gap in the table tells \
-         where they would. No state here has been checked by the solid module yet."
+         where they would."
             .into(),
+        match (bench.solids, bench.coarse) {
+            (false, _) => "--solids computes the cases without ties by solids too, every FREE a whole tube of finite elements.".into(),
+            (true, coarse) => format!(
+                "Solids: every FREE a whole tube of finite elements{} with threads 0.15 mm wide (those of the rods' sections are spread over the surface), joined by the plate, \
+                 without ties, which they cannot have; each case is followed by 10 kPa to its first unstable state. A claim holds where tied rods and solids say so, \
+                 and cannot be judged where they differ.",
+                if coarse { " (coarse)" } else { "" }
+            ),
+        },
     ]
 }
 

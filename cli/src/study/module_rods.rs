@@ -1,12 +1,12 @@
 //! The paper's modules as rods, and what they do in its cases.
 
 use super::{bench::Bench, specimen};
-use crate::{case::Case, exit::Exit, failure::Failure, interrupt};
+use crate::{exit::Exit, failure::Failure, interrupt};
 use actuator::{
-    Base, Free, Handedness, Module, PlacedFree, Tip, Winding,
+    Base, Case, Free, Handedness, Module, ModuleState, PlacedFree, Tip, Winding,
     units::{DEG, GRAM, KPA, MM},
 };
-use fe::{Equilibrium, ModuleSweep, RodLaw, RodModule, RodSettings, Run};
+use fe::{ModuleSolver, ModuleSweep, RodLaw, RodModule, RodSettings, Run};
 use std::sync::{Mutex, PoisonError};
 
 /// Greatest pressure of the paper's cases, 7.25 psi, kPa.
@@ -16,7 +16,7 @@ pub const SPACING_MM: f64 = 15.0;
 /// Spacers that are assumed where FREEs are tied: the paper says nothing of ties.
 pub const TIED: u32 = 9;
 /// Length of its modules' FREEs, mm.
-const LENGTH_MM: f64 = 175.0;
+pub const LENGTH_MM: f64 = 175.0;
 
 /// A module of the paper: its name, the angle from the hoop and whether hands alternate.
 pub struct Kind {
@@ -114,24 +114,36 @@ pub struct CasePath {
     /// The case.
     pub case: Case,
     /// Each at its pressure (Pa) of the inflated FREEs.
-    pub states: Vec<(f64, Equilibrium)>,
+    pub states: Vec<(f64, ModuleState)>,
     /// Why the path ends early.
     pub ended: Option<String>,
 }
 
-/// Follows a case through rising pressures (Pa), one state from the other, as far as there are equilibria.
-pub fn follow(rods: &RodModule, case: &Case, pressures: &[f64]) -> Result<CasePath, Failure> {
-    let rest = rods.rest().map_err(|error| Failure::new(Exit::NotConverged, error))?;
+/// Follows a case through rising pressures (Pa), one state from the other, as far as there are equilibria; where not `beyond` it, to the first that is
+/// unstable.
+pub fn follow<S: ModuleSolver>(
+    module: &mut S,
+    case: &Case,
+    pressures: &[f64],
+    beyond: bool,
+) -> Result<CasePath, Failure> {
+    let mut last = module.rest().map_err(|error| Failure::new(Exit::NotConverged, error))?;
     let idle = vec![0.0; case.inflated.len()];
+    let rest = module.state(&last).clone();
     let mut path = CasePath { case: case.clone(), states: vec![(0.0, rest)], ended: None };
     for pressure in pressures {
         if interrupt::is_asked() {
             return Err(Failure::interrupted());
         }
         let goal = case.pressures(&idle, &vec![*pressure; idle.len()], 1.0);
-        let (_, last) = &path.states[path.states.len() - 1];
-        match rods.solve_from(last, &goal) {
-            Ok(found) => path.states.push((*pressure, found)),
+        match module.solve_from(&last, &goal) {
+            Ok(found) => {
+                path.states.push((*pressure, module.state(&found).clone()));
+                if module.state(&found).is_buckled() && !beyond {
+                    break;
+                }
+                last = found;
+            }
             Err(error) => {
                 path.ended = Some(error.to_string());
                 break;
@@ -183,9 +195,9 @@ impl TipMotion {
 impl CasePath {
     /// The tip along the path.
     pub fn motions(&self) -> Vec<TipMotion> {
-        let rest = self.states[0].1.state.chart.to_pose().position;
-        let motion = |(pressure, found): &(f64, Equilibrium)| {
-            let (chart, position) = (found.state.chart, found.state.chart.to_pose().position);
+        let rest = self.states[0].1.chart.to_pose().position;
+        let motion = |(pressure, state): &(f64, ModuleState)| {
+            let (chart, position) = (state.chart, state.chart.to_pose().position);
             let off = (position - rest) / MM;
             TipMotion {
                 pressure_kpa: pressure / KPA,
@@ -193,8 +205,8 @@ impl CasePath {
                 rise: off.z,
                 twist: chart.twist / DEG,
                 bend: chart.bend[0].hypot(chart.bend[1]) / DEG,
-                gap: found.state.gap.map_or(f64::NAN, |gap| gap / MM),
-                unstable: found.state.negative_pivots > 0,
+                gap: state.gap.map_or(f64::NAN, |gap| gap / MM),
+                unstable: state.is_buckled(),
             }
         };
         self.states.iter().map(motion).collect()
@@ -215,6 +227,11 @@ impl CasePath {
     pub fn unstable_from(&self) -> Option<f64> {
         self.motions().iter().find(|motion| motion.unstable).map(|motion| motion.pressure_kpa)
     }
+}
+
+/// Whether two pressures (Pa) are the same step, however it was counted.
+pub fn same_pressure(a: f64, b: f64) -> bool {
+    (a - b).abs() < 1e-6 * KPA
 }
 
 /// Greatest distance of a way's points from the line between its ends, as a share of that line's length.

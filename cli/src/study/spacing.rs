@@ -5,7 +5,8 @@ use super::{
     findings::{Curves, Finding, Findings, Titled, Verdict},
     module_rods::{CasePath, GREATEST_KPA, Kind, TIED, TipMotion, crookedness, follow},
 };
-use crate::{case::cases, failure::Failure};
+use crate::failure::Failure;
+use actuator::Case;
 use fe::RodSettings;
 
 /// Distances of neighbouring axes, mm: touching, between, and that of the other studies.
@@ -94,9 +95,11 @@ pub fn judge(bench: &Bench, findings: &mut Findings) -> Result<(), Failure> {
         bench.each("spacing and winding angle", &setups, |(from, angle_deg, spacing_mm, spacers)| {
             let kind = Kind { name: "", angle_deg: *angle_deg, alternate: true };
             let module = kind.module(*spacing_mm, *spacers);
-            let rods = bench.rods(&module, RodSettings::default())?;
-            let wanted = cases(&module).into_iter().enumerate().filter(|(place, _)| *place != 1);
-            let paths = wanted.map(|(_, case)| follow(&rods, &case, &pressures)).collect::<Result<_, _>>()?;
+            let mut rods = bench.rods(&module, RodSettings::default())?;
+            let wanted = Case::all(&module).into_iter().enumerate().filter(|(place, _)| *place != 1);
+            let paths = wanted
+                .map(|(_, case)| follow(&mut rods, &case, &pressures, true))
+                .collect::<Result<_, _>>()?;
             Ok(Reading { from, angle_deg: *angle_deg, spacing_mm: *spacing_mm, spacers: *spacers, paths })
         })?;
     findings.tables.push(table(&readings));

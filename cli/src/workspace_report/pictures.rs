@@ -1,9 +1,6 @@
-use crate::{
-    case::{Case, cases},
-    plot::{Chart, Mark, Picture, Series},
-};
+use crate::plot::{Chart, Mark, Picture, Series};
 use actuator::{
-    Module,
+    Case, Module,
     units::{DEG, MM},
 };
 use control::{Bounds, ReachableSet, Segments, Sideways, positions};
@@ -36,7 +33,7 @@ pub fn tracks(module: &Module, model: &impl PoseModel, bounds: &Bounds) -> Resul
         let positions = positions(model, &pressures)?;
         Ok(Track { case, positions: (0..=TRACK_STEPS).map(part).zip(positions).collect() })
     };
-    cases(module).into_iter().map(track).collect()
+    Case::all(module).into_iter().map(track).collect()
 }
 
 /// A view along an axis: its name, the axes across and up, and whether the outline's coordinates are these the other way round.

@@ -39,7 +39,7 @@ impl RodModule {
             self.solve_from(below, &pressures).map(Step::Reached)
         };
         let crossing = search.first_crossing(start, go, |found| !found.state.is_buckled())?;
-        let Some(Crossing { below, above: Some(above) }) = crossing else { return Ok(None) };
+        let Some(Crossing { below, above: Some(above), .. }) = crossing else { return Ok(None) };
         let mode = self.softest_mode(&above).ok_or_else(|| above.without_factors())?;
         Ok(Some(Buckling { below, above, mode }))
     }

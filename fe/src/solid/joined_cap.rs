@@ -174,6 +174,17 @@ impl SolidSolver {
         CarriedMotion { motion: self.motion(state, step, with_mismatch), displacements }
     }
 
+    /// Adds springs between the inside's unknowns and where they are to the tangent assembled last, not yet eliminated: `spring` times a weight each.
+    pub(crate) fn add_springs(&mut self, spring: f64, weights: &[f64]) {
+        let body = &mut self.body;
+        for block in 0..body.cap_block {
+            let (place, first) = (body.pattern.place(block, block), body.pattern.first(block));
+            for k in 0..body.pattern.size(block) {
+                body.values[place.index(k, k)] += spring * weights[first + k];
+            }
+        }
+    }
+
     /// What the inside answers to forces on it (columns of all unknowns, one after the other, changed in place to displacements), its cap at
     /// rest, by a response taken at the configuration assembled last; and what each makes the cap feel.
     pub(crate) fn inside_answer(&mut self, response: &CapResponse, columns: &mut [f64]) -> Vec<Vector6<f64>> {

@@ -70,7 +70,7 @@ mod tests {
         for (line, bulge) in lines.iter().flat_map(|line| line.iter().map(move |bulge| (line, bulge))) {
             // Chords between neighbours of a node on both sides stand on the radius there; at the caps, where one is missing, they lean.
             let inside = bulge.along > 1e-9 && bulge.along < tube.length - 1e-9;
-            assert!((bulge.outwards - 1.0).abs() < if inside { 1e-9 } else { 0.03 }, "{bulge:?}");
+            assert!((bulge.outwards - 1.0).abs() < if inside { 1e-9 } else { 0.05 }, "{bulge:?}");
             // Left-handed threads run clockwise up the tube, by more than a turn.
             let turned = -bulge.along / (radius * (60.0 * DEG).tan());
             assert!((bulge.around - line[0].around - turned).abs() < 1e-9, "{bulge:?}");

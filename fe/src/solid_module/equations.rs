@@ -89,6 +89,17 @@ impl SolidModule {
 
     /// Factorises at the configuration assembled last, with its tangent.
     pub(super) fn factorise(&mut self, shape: &SolidShape, loads: &Loads, sums: &Sums) -> Result<(), Lost> {
+        self.factorise_with(shape, loads, sums, &Matrix6::zeros())
+    }
+
+    /// The same with `stiffener` added to the second derivative in the plate's coordinates.
+    pub(super) fn factorise_with(
+        &mut self,
+        shape: &SolidShape,
+        loads: &Loads,
+        sums: &Sums,
+        stiffener: &Matrix6<f64>,
+    ) -> Result<(), Lost> {
         self.tangent = None;
         self.each(|_, free| free.solver.cap_response().map(|response| free.response = Some(response)))
             .into_iter()
@@ -103,7 +114,7 @@ impl SolidModule {
             negative += response.negative;
         }
         let variation = shape.plate.vary();
-        let hessian = variation.hessian(&pull, &stiffness);
+        let hessian = variation.hessian(&pull, &stiffness) + stiffener;
         let InvertedBlock { inverse, negative: more } =
             self.guided(loads).inverted(&hessian).ok_or(Lost(f64::INFINITY))?;
         let negative = negative + more;

@@ -1,4 +1,6 @@
-use super::{SolidModuleError, equilibrium::SolidShape, module::SolidModule, path::no_equilibrium};
+use super::{
+    SolidModuleError, equations::Loads, equilibrium::SolidShape, module::SolidModule, path::no_equilibrium,
+};
 use crate::{
     Bulge, HELD, Lost,
     sparse::{Inverse, lowest_modes},
@@ -18,6 +20,11 @@ pub struct SolidModuleMode {
     /// Motion of the plate's centre, base frame, in the same scale.
     pub tip_shift: [f64; 3],
 }
+
+/// First of the springs that are tried, as a share of the stiffness of a block of rubber as large as a FREE's radius: a module sways at 1e-4.
+const SOFTEST_SPRING: f64 = 1e-3;
+/// A spring beyond which something else is wrong.
+const STIFFEST_SPRING: f64 = 1e3;
 
 /// The tangent factorised last, of all unknowns: the insides of the FREEs one after the other, and the six coordinates of the plate.
 struct Joined<'a> {
@@ -83,7 +90,9 @@ impl Inverse for Joined<'_> {
 }
 
 impl SolidModule {
-    /// The `count` motions that an equilibrium withstands least, those next to singular, least |value| first.
+    /// The `count` motions that an equilibrium withstands least, those of the lowest eigenvalues, the lowest first.
+    ///
+    /// Where some are negative, springs on all unknowns (a multiple of the metric) lift all above zero, so that the lowest are next to singular.
     ///
     /// # Errors
     /// [`SolidModuleError::NoEquilibrium`] where the tangent has no factors.
@@ -93,14 +102,7 @@ impl SolidModule {
         count: usize,
     ) -> Result<Vec<SolidModuleMode>, SolidModuleError> {
         let loads = self.loads_from(shape);
-        self.linearise(shape, &loads).map_err(|lost| no_equilibrium(&loads, shape, lost))?;
-        let guided = self.guided(&loads);
-        let tangent = self.tangent.as_ref();
-        let tangent = tangent.ok_or_else(|| no_equilibrium(&loads, shape, Lost(f64::INFINITY)))?;
-        let first = tangent.variation.first;
-        // Coordinates that are held stay where they are.
-        let free = Matrix6::from_diagonal(&guided.free_part(Vector6::repeat(1.0)));
-        let inverse = free * tangent.inverse * free;
+        let first = shape.plate.vary().first;
         let levers: Vec<Matrix6<f64>> =
             self.frees.iter().map(|free| free.lever(loads.part) * first).collect();
         let insides = self.frees.iter().map(|free| free.solver.unknowns() - 6);
@@ -109,10 +111,21 @@ impl SolidModule {
             *sum += inside;
             Some(*sum)
         }));
+        let lost = |lost: Lost| no_equilibrium(&loads, shape, lost);
+        self.linearise(shape, &loads).map_err(lost)?;
         let metric = self.metric(shape, &levers, loads.free);
+        let spring = self.lift(shape, &loads, &metric, &firsts).map_err(lost)?;
+        let inverse = self.tangent.as_ref().map(|tangent| tangent.inverse);
+        let inverse = inverse.ok_or_else(|| lost(Lost(f64::INFINITY)))?;
+        // Coordinates that are held stay where they are.
+        let free = Matrix6::from_diagonal(&self.guided(&loads).free_part(Vector6::repeat(1.0)));
+        let inverse = free * inverse * free;
         let mut joined = Joined { module: self, levers, inverse, firsts };
         let found = lowest_modes(&mut joined, count, Some(&metric));
         let Joined { levers, firsts, .. } = joined;
+        if spring > 0.0 {
+            self.tangent = None;
+        }
         let told = found.into_iter().map(|mode| {
             let plate = Vector6::from_column_slice(&mode.vector[firsts[levers.len()]..]);
             let each = self.frees.iter().zip(&shape.frees).zip(&levers).enumerate();
@@ -128,14 +141,39 @@ impl SolidModule {
             let scale = longest[longest.iamax()].signum() / longest.norm().max(f64::MIN_POSITIVE);
             displacements.iter_mut().flatten().flatten().for_each(|value| *value *= scale);
             let shift: Vector3<f64> = plate.fixed_rows::<3>(0).into();
+            let value = mode.value - spring;
             SolidModuleMode {
-                value: mode.value,
-                error: mode.error,
+                value,
+                error: (mode.error * mode.value / value).abs(),
                 displacements,
                 tip_shift: (shift * scale).into(),
             }
         });
         Ok(told.collect())
+    }
+
+    /// Factorises the tangent with the weakest of springs 0, s, 4 s, ... that leave no negative eigenvalues; the spring.
+    fn lift(
+        &mut self,
+        shape: &SolidShape,
+        loads: &Loads,
+        metric: &[f64],
+        firsts: &[usize],
+    ) -> Result<f64, Lost> {
+        let mut spring: f64 = 0.0;
+        while self.tangent.as_ref().is_none_or(|tangent| tangent.negative > 0) {
+            spring = (4.0 * spring).max(SOFTEST_SPRING);
+            if spring > STIFFEST_SPRING {
+                return Err(Lost(f64::INFINITY));
+            }
+            let sums = self.assemble(shape, loads, true)?;
+            self.each(|index, free| {
+                free.solver.add_springs(spring, &metric[firsts[index]..firsts[index + 1]])
+            });
+            let plate = Vector6::from_column_slice(&metric[metric.len() - 6..]) * spring;
+            self.factorise_with(shape, loads, &sums, &Matrix6::from_diagonal(&plate))?;
+        }
+        Ok(spring)
     }
 
     /// Diagonal of the metric: of the insides of the FREEs, one after the other, and of the plate's coordinates, of which those not `free` are held.

@@ -66,6 +66,12 @@ impl SolidModule {
         }
     }
 
+    /// Middle of each FREE at its planes of points from the base to the tip, m, base frame.
+    pub fn centrelines(&self, shape: &SolidShape) -> Vec<Vec<[f64; 3]>> {
+        let tubes = self.frees.iter().zip(&shape.frees).map(|(free, state)| free.tube(state));
+        tubes.map(|tube| tube.points.into_iter().map(Into::into).collect()).collect()
+    }
+
     /// Undeformed FREEs under a plate at their mean length.
     pub(super) fn straight(&self) -> SolidShape {
         SolidShape {

@@ -21,7 +21,7 @@ fn tubes(count: usize) -> Module {
 fn buckling(module: &Module, goal: &[f64]) -> (SolidModule, SolidBuckling) {
     let mut solids = solids(module, MESH);
     let rest = solids.rest().unwrap();
-    let found = solids.first_buckling(&rest, goal, TOLERANCE, &mut |_| true).unwrap().unwrap();
+    let found = solids.first_buckling(&rest, goal, TOLERANCE, &mut |_, _| true).unwrap().unwrap();
     (solids, found)
 }
 
@@ -38,20 +38,22 @@ fn one_tube_under_a_vacuum_buckles_where_the_solid_alone_does() {
     let path = SolidPath::Load(&SolidLoad::pressure);
     let critical = alone.critical_point(&path, (0.0, &rest), above - 1e3, 1.0).unwrap().unwrap();
     assert!(below + 1.0 >= critical.at && critical.at >= above - 1.0, "{below} {above} {}", critical.at);
-    // Of the same shape, whatever the plate's own coordinates weigh: it stays where it is.
+    // Next to critical, and the plate stays where it is.
+    let mode = joined.mode.unwrap();
     let length = |place: &[f64; 3]| place.iter().map(|x| x * x).sum::<f64>().sqrt();
-    assert!(length(&joined.mode.tip_shift) < 1e-3, "{:?}", joined.mode.tip_shift);
-    assert!(joined.mode.value.abs() < 1e-2 * critical.modes[0].value.abs().max(1.0), "{}", joined.mode.value);
+    assert!(length(&mode.tip_shift) < 1e-3, "{:?}", mode.tip_shift);
+    assert!(mode.value < 0.0 && mode.value > -1e-3 && mode.error < 1e-6, "{} {}", mode.value, mode.error);
 }
 
 #[test]
 fn the_wall_that_gives_way_is_the_one_without_air() {
     let module = tubes(2);
     let (solids, found) = buckling(&module, &[1e3, GOAL]);
-    let shifts = found.mode.shifts();
-    assert!(shifts[1] == 1.0 && shifts[0] < 0.05, "{shifts:?}");
+    let mode = found.mode.unwrap();
+    let shifts = mode.shifts();
+    assert!((shifts[1] - 1.0).abs() < 1e-12 && shifts[0] < 0.05, "{shifts:?}");
     // In a ring half way up, the wall goes outwards and inwards in a few waves, and is not shifted as a whole.
-    let lines = solids.bulges(&found.below.shape, &found.mode, 1);
+    let lines = solids.bulges(&found.below.shape, &mode, 1);
     let ring: Vec<_> = lines.iter().map(|line| line[line.len() / 2]).collect();
     assert!(ring.iter().all(|point| (point.along - 15e-3).abs() < 1e-9));
     let wave = |n: f64| {
@@ -63,7 +65,7 @@ fn the_wall_that_gives_way_is_the_one_without_air() {
     let [shifted, oval, three] = [1.0, 2.0, 3.0].map(wave);
     assert!(shifted < 0.05 && oval.max(three) > 0.5, "{shifted} {oval} {three}");
     let mut text = vec![];
-    solids.write_vtu(&found.below.shape, Some(&found.mode), &mut text).unwrap();
+    solids.write_vtu(&found.below.shape, Some(&mode), &mut text).unwrap();
     let text = String::from_utf8(text).unwrap();
     assert!(text.contains("buckling_mode") && text.contains("free_pressure_kpa"));
     let [ni, nj, nk] = [3, 24, 17];
@@ -74,6 +76,6 @@ fn the_wall_that_gives_way_is_the_one_without_air() {
 fn a_search_that_is_stopped_says_so() {
     let mut solids = solids(&tubes(1), MESH);
     let rest = solids.rest().unwrap();
-    let error = solids.first_buckling(&rest, &[GOAL], TOLERANCE, &mut |_| false).unwrap_err();
+    let error = solids.first_buckling(&rest, &[GOAL], TOLERANCE, &mut |_, _| false).unwrap_err();
     assert!(matches!(error, SolidModuleError::Stopped), "{error}");
 }

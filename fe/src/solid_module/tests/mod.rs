@@ -31,7 +31,7 @@ fn module(frees: &[(Free, [f64; 2])], gravity: [f64; 3]) -> Module {
 }
 
 /// Two FREEs of different angle and hand side by side, gravity aslant.
-fn unlike_pair() -> Module {
+pub(super) fn unlike_pair() -> Module {
     let right = (free(40.0, Handedness::Right, 6), [7.5e-3, 1e-3]);
     let left = (free(60.0, Handedness::Left, 6), [-7.5e-3, 0.0]);
     module(&[right, left], [0.6, 0.0, 0.8])
@@ -41,7 +41,7 @@ fn settings(elements: [u32; 3]) -> SolidModuleSettings {
     SolidModuleSettings { elements: Some(elements), ..SolidModuleSettings::default() }
 }
 
-fn solids(module: &Module, elements: [u32; 3]) -> SolidModule {
+pub(super) fn solids(module: &Module, elements: [u32; 3]) -> SolidModule {
     SolidModule::new(module, settings(elements)).unwrap()
 }
 

@@ -75,7 +75,7 @@ fn the_softest_modes_are(joined: &mut SolidModule, shape: &SolidShape, whole: &D
     let scaled = DMatrix::from_fn(dimension, dimension, |i, j| whole[(i, j)] / (root[i] * root[j]));
     let eigen = scaled.symmetric_eigen();
     let mut order: Vec<usize> = (0..dimension).collect();
-    order.sort_by(|a, b| eigen.eigenvalues[*a].abs().total_cmp(&eigen.eigenvalues[*b].abs()));
+    order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
     let modes = joined.softest_modes(shape, 3).unwrap();
     for (mode, index) in modes.iter().zip(&order) {
         let value = eigen.eigenvalues[*index];
