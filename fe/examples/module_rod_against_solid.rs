@@ -12,13 +12,6 @@ use fe::{ModuleSweep, RodLaw, RodModule, RodSettings, Run, SolidModule, SolidMod
 use std::f64::consts::TAU;
 use std::{error::Error, path::Path, sync::atomic::AtomicBool, time::Instant};
 
-const CASES: [(&str, [bool; 4]); 5] = [
-    ("1 all", [true; 4]),
-    ("2 diagonal", [true, false, true, false]),
-    ("3 one", [true, false, false, false]),
-    ("4 neighbours", [true, true, false, false]),
-    ("5 three", [true, true, true, false]),
-];
 const PRESSURES: [f64; 4] = [10e3, 20e3, 30e3, 40e3];
 /// Halvings of the interval in which a path ceases to be stable.
 const BISECTIONS: usize = 3;
@@ -30,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let usual = ["data/modules/buffinton-2020-30lr.toml", "data/modules/buffinton-2020-40lr.toml"];
     let files = if given.is_empty() { usual.map(str::to_owned).to_vec() } else { given };
     println!(
-        "module               case         kPa  solids: x, y, z mm           turn deg  off %    deg  pivots     gap mm  s rod solid"
+        "module               case             kPa  solids: x, y, z mm           turn deg  off %    deg  pivots     gap mm  s rod solid"
     );
     let mut worst = [[0.0f64; 2]; 2];
     for file in files {
@@ -79,13 +72,16 @@ fn compare(
         solids.unknowns(),
         start.elapsed().as_secs_f64()
     );
-    for (case, driven) in CASES.into_iter().filter(|(case, _)| wanted(case)) {
-        let at = |pressure: f64| -> Vec<f64> {
-            driven.iter().map(|on| if *on { pressure } else { 0.0 }).collect()
-        };
+    for driven in actuator::Case::all(module) {
+        let case = driven.name.trim_start_matches("case ");
+        if !wanted(case) {
+            continue;
+        }
+        let count = module.frees.len();
+        let at = |pressure: f64| driven.pressures(&vec![0.0; count], &vec![pressure; count], 1.0);
         let (mut rod, mut solid) = (rod_rest.clone(), solid_rest.clone());
         for pressure in PRESSURES {
-            let place = format!("{name:20} {case:12} {:3.0}", 1e-3 * pressure);
+            let place = format!("{name:20} {case:16} {:3.0}", 1e-3 * pressure);
             let start = Instant::now();
             let rod_found = rods.solve_from(&rod, &at(pressure));
             let rod_time = start.elapsed().as_secs_f64();
