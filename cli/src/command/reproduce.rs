@@ -36,7 +36,7 @@ pub struct Reproduce {
     #[arg(long, value_enum, default_value = "solid")]
     fidelity: Fidelity,
 
-    /// Modules as solids too, beside the rods (p10, p12): half an hour on two processors
+    /// Modules as solids too, beside the rods (p10, p12): seconds a state, minutes where walls give way
     #[arg(long)]
     solids: bool,
 
