@@ -4,8 +4,8 @@
 
 use actuator::{LoadedFree, ModuleMap, PointKey, StoreError, artefact};
 use fe::{
-    BendingSweep, CappedSweep, FreeSweep, ModuleSweep, NUMERICS, RodSettings, SectionMesh, SolidMesh,
-    SolidModuleSettings, SolidSweep, TipLoad,
+    BendingSweep, CapSweep, CappedSweep, FreeSweep, ModuleSweep, NUMERICS, RodSettings, SectionMesh,
+    SolidMesh, SolidModuleSettings, SolidSweep, TipLoad,
 };
 use serde::Serialize;
 
@@ -40,14 +40,15 @@ pub fn solid(sweep: &SolidSweep, node: &LoadedFree, pressures: &[f64]) -> Result
 
 /// A row of a module's states, by its pressures (Pa). The section tables are made for the map's whole axes.
 pub fn row(sweep: &ModuleSweep, map: &ModuleMap, row: &[Vec<f64>]) -> Result<PointKey, StoreError> {
-    let ModuleSweep { mesh, rods, solids, bending, use_symmetry: _, checks: _, seed: _ } = *sweep;
+    let ModuleSweep { mesh, rods, solids, bending, caps, use_symmetry: _, checks: _, seed: _ } = *sweep;
     if let Some(solids) = solids {
         return row_of_solids(solids, map, row);
     }
     let RodSettings { elements, bending_stiffness_scale, tip_load: TipLoad { force, moment } } = rods;
     let rods = (elements, bending_stiffness_scale, force, moment);
     let bending = bending.map(|BendingSweep { planes, lengths, range }| (planes, lengths, range));
-    let computed_by = (section_mesh(mesh), rods, bending, &map.parameters);
+    let caps = caps.map(|CapSweep { planes, length, range }| (planes, length, range));
+    let computed_by = (section_mesh(mesh), rods, bending, caps, &map.parameters);
     PointKey::of(&("row of a module", PROGRAM, computed_by, &map.module, &map.pressures, row))
 }
 
@@ -245,6 +246,10 @@ mod tests {
             with_sweep(&|sweep| sweep.bending = Some(own));
         }
         with_sweep(&|sweep| sweep.bending = None);
+        for (planes, length, range) in [(6, 10.8, 0.04), (7, 10.0, 0.04), (7, 10.8, 0.03)] {
+            with_sweep(&|sweep| sweep.caps = Some(CapSweep { planes, length, range: [range, 1.0] }));
+        }
+        with_sweep(&|sweep| sweep.caps = None);
         let solids = |elements, force| {
             let tip_load = TipLoad { force: [force, 0.0, 0.0], ..TipLoad::default() };
             Some(SolidModuleSettings { elements, tip_load, threads: 1 })

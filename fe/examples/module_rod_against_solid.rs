@@ -8,7 +8,7 @@
 //! rods: distance of the tips over the module's length, angle between the tip's rotations; pivots are negative eigenvalues of both.
 
 use actuator::{Description, Module, Rig};
-use fe::{ModuleSweep, RodLaw, RodModule, RodSettings, Run, SolidModule, SolidModuleSettings};
+use fe::{ModuleSweep, RodModule, RodSettings, Run, SolidModule, SolidModuleSettings};
 use std::f64::consts::TAU;
 use std::{error::Error, path::Path, sync::atomic::AtomicBool, time::Instant};
 
@@ -57,10 +57,8 @@ fn compare(
     let sweep = ModuleSweep::default();
     let axes = vec![vec![0.0, 1.05 * PRESSURES[3]]; module.frees.len()];
     let start = Instant::now();
-    let sections = sweep.section_laws(module, &axes, &run)?.ok_or("stopped")?;
-    let bending = sweep.bending_laws(module, &axes, &run)?.ok_or("stopped")?;
-    let laws = sections.into_iter().zip(bending).map(|(section, bending)| RodLaw { section, bending });
-    let rods = RodModule::new(module, laws.collect(), RodSettings::default())?;
+    let laws = sweep.rod_laws(module, &axes, &run)?.ok_or("stopped")?;
+    let rods = RodModule::new(module, laws, RodSettings::default())?;
     let rod_rest = rods.rest()?;
     let laws_time = start.elapsed().as_secs_f64();
     let start = Instant::now();

@@ -29,7 +29,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let count = module.frees.len();
     let axes = vec![vec![0.0, greatest * KPA]; count];
     let start = Instant::now();
-    let sections = sweep.section_laws(&module, &axes, &run)?.ok_or("stopped")?;
+    let tables = sweep.section_laws(&module, &axes, &run)?.ok_or("stopped")?;
+    let sections = sweep.capped_laws(&module, tables, &axes, &run)?.ok_or("stopped")?;
     let tabulated = start.elapsed().as_secs_f64();
     let solids = sweep.bending_laws(&module, &axes, &run)?.ok_or("stopped")?;
     println!(

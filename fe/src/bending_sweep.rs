@@ -38,6 +38,8 @@ struct Answer {
     rod: StraightRod,
     compliance: TipCompliance,
     strain: [f64; 2],
+    /// What it is longer (m) and turned further (rad) than if all of it did so.
+    ends: [f64; 2],
 }
 
 /// The solids of one length.
@@ -74,7 +76,10 @@ impl Tubes {
         };
         let stretch = deformation.stretch_mid;
         let rod = StraightRod { length: self.length, force, torque, stretch, height: compliance.heights[1] };
-        Ok(Answer { rod, compliance, strain: [stretch, deformation.twist_mid] })
+        let strain = [stretch, deformation.twist_mid];
+        let total = [deformation.stretch_total, deformation.twist_total];
+        let ends = [0, 1].map(|i| (total[i] - strain[i]) * self.length);
+        Ok(Answer { rod, compliance, strain, ends })
     }
 
     fn follow(&mut self, from: &SolidState, to: &dyn Fn(f64) -> SolidLoad) -> Result<SolidState, SolidError> {
@@ -95,7 +100,7 @@ fn flexibility([short, long]: [&Answer; 2]) -> Matrix2<f64> {
 fn sample([short, long]: [&Answer; 2]) -> Option<BendingSample> {
     let found = RodCompliance::identified([(&short.rod, &short.compliance), (&long.rod, &long.compliance)])?;
     let compliance = found.folded(long.rod.stretch);
-    compliance.is_sound().then_some(BendingSample { strain: long.strain, compliance })
+    compliance.is_sound().then_some(BendingSample { strain: long.strain, compliance, ends: long.ends })
 }
 
 impl BendingSweep {

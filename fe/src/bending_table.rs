@@ -8,6 +8,16 @@ pub struct BendingSample {
     pub strain: [f64; 2],
     /// Sections and ends; the ends without lever.
     pub compliance: RodCompliance,
+    /// By how much both caps together lengthen (m) and turn (rad) a FREE against one that does everywhere what `strain` says.
+    pub ends: [f64; 2],
+}
+
+impl BendingSample {
+    /// The same with the mean strain of a FREE of a length (m) between its caps.
+    fn between_caps(self, length: f64) -> Self {
+        let strain = [0, 1].map(|i| self.strain[i] + self.ends[i] / length);
+        BendingSample { strain, ends: [0.0; 2], ..self }
+    }
 }
 
 /// Samples at one pressure: the FREE without axial load, and states about it.
@@ -51,6 +61,7 @@ const ENTRIES: usize = 6 + NUMBERS * (TERMS + 2);
 /// make a piece's compliance negative is given no more than leaves it positive.
 #[derive(Clone, Debug)]
 pub struct BendingTable {
+    samples: Vec<BendingPlane>,
     planes: Vec<Plane>,
     /// Change with the pressure of each plane's entries, 1/Pa.
     slopes: Vec<[f64; ENTRIES]>,
@@ -164,7 +175,7 @@ impl Plane {
 
 /// Slope in the middle of three points (or at the first one, the last being absent) of the parabola through them, no steeper than keeps a
 /// cubic between the neighbours where these rise or fall on both sides (Fritsch and Carlson, SIAM J. Numer. Anal. 17 (1980) 238).
-fn slope(before: Option<[f64; 2]>, after: Option<[f64; 2]>) -> f64 {
+pub(crate) fn slope(before: Option<[f64; 2]>, after: Option<[f64; 2]>) -> f64 {
     match (before, after) {
         (Some([h, secant]), Some([k, other])) => {
             let parabola = (secant * k + other * h) / (h + k);
@@ -181,8 +192,8 @@ fn slope(before: Option<[f64; 2]>, after: Option<[f64; 2]>) -> f64 {
 
 impl BendingTable {
     /// The law through samples at one or more pressures, rising; `None` without any.
-    pub fn new(planes: &[BendingPlane]) -> Option<Self> {
-        let planes: Vec<Plane> = planes.iter().map(Plane::fitted).collect();
+    pub fn new(samples: &[BendingPlane]) -> Option<Self> {
+        let planes: Vec<Plane> = samples.iter().map(Plane::fitted).collect();
         let entries: Vec<[f64; ENTRIES]> = planes.iter().map(Plane::entries).collect();
         let step = |from: usize, entry: usize| {
             let width = planes.get(from + 1)?.pressure - planes[from].pressure;
@@ -195,7 +206,21 @@ impl BendingTable {
                 })
             })
             .collect();
-        (!planes.is_empty()).then_some(BendingTable { planes, slopes })
+        (!planes.is_empty()).then(|| BendingTable { samples: samples.to_vec(), planes, slopes })
+    }
+
+    /// The same as a law of the mean strains of a FREE of a length (m) between its caps, which [`crate::CappedSection`] asks for.
+    pub fn between_caps(&self, length: f64) -> Self {
+        let samples: Vec<BendingPlane> = self
+            .samples
+            .iter()
+            .map(|plane| BendingPlane {
+                free: plane.free.between_caps(length),
+                loaded: plane.loaded.iter().map(|sample| sample.between_caps(length)).collect(),
+                ..*plane
+            })
+            .collect();
+        Self::new(&samples).unwrap_or_else(|| self.clone())
     }
 
     /// Pressures of the samples, Pa.

@@ -21,7 +21,11 @@ fn plane(pressure: f64) -> BendingPlane {
             end_coupling: mean * 1e-3 * (0.3 + 0.1 * u * v),
             end_lever: 0.0,
         };
-        BendingSample { strain: [free[0] + off.x, free[1] + off.y], compliance }
+        BendingSample {
+            strain: [free[0] + off.x, free[1] + off.y],
+            compliance,
+            ends: [1e-4 * p, 0.1 * p + 0.02 * v],
+        }
     };
     let around = [
         (-1.0, 0.1),

@@ -162,7 +162,9 @@ impl BlockedSweep {
         run: &Run<'_>,
     ) -> Result<Option<Vec<RodLaw>>, ModuleSweepError> {
         let greatest: Vec<f64> = pressures.iter().map(|axis| top(axis)).collect();
-        let Some(bending) = bending_laws(module, &greatest, self.bending, run)? else { return Ok(None) };
+        let Some(bending) = bending_laws(module, &greatest, self.bending, false, run)? else {
+            return Ok(None);
+        };
         let law = |(placed, bending): (&PlacedFree, _)| RodLaw {
             section: Arc::new(ThickTube::new(&placed.free)),
             bending,

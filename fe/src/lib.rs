@@ -4,6 +4,8 @@ mod bending_law;
 mod bending_sweep;
 mod bending_table;
 mod blocked;
+mod cap_effect;
+mod cap_sweep;
 mod capped_map;
 mod closed_form;
 mod contact;
@@ -41,6 +43,8 @@ pub use bending_law::{BendingLaw, BendingResponse, ConstantBending};
 pub use bending_sweep::BendingSweep;
 pub use bending_table::{BendingPlane, BendingSample, BendingTable};
 pub use blocked::{BlockedForces, BlockedSweep, HeldState};
+pub use cap_effect::{CapEffect, CapSample, CapTable};
+pub use cap_sweep::CapSweep;
 pub use capped_map::{CappedSweep, CapsReport};
 pub use closed_form::{ClosedFormError, ThickTube};
 pub use contact::Closest;
@@ -55,8 +59,8 @@ pub use no_equilibrium::NoEquilibrium;
 pub use numerics::NUMERICS;
 pub use pressure_unit::PressureUnit;
 pub use rod::{
-    Buckling, BucklingMode, Configuration, Equilibrium, HeldModule, IdlePressure, RodError, RodLaw,
-    RodModule, RodSettings, SectionTable, TableError, TableGrid,
+    Buckling, BucklingMode, CappedSection, Configuration, Equilibrium, HeldModule, IdlePressure, RodError,
+    RodLaw, RodModule, RodSettings, SectionTable, TableError, TableGrid,
 };
 pub use rod_stiffness::{RodCompliance, StraightRod};
 pub use run::{Run, Shard};

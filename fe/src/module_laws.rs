@@ -1,8 +1,8 @@
 //! Laws of the FREEs of a module as rods: sections and bending, shared by FREEs of one section.
 
 use crate::{
-    BendingLaw, BendingSweep, ConstantBending, ModuleSweep, ModuleSweepError, RodLaw, RodModule, Run,
-    SectionSolver, SectionTable, TableError, TableGrid,
+    BendingLaw, BendingSweep, CapTable, CappedSection, ConstantBending, ModuleSweep, ModuleSweepError,
+    RodLaw, RodModule, Run, SectionLaw, SectionSolver, SectionTable, TableError, TableGrid,
 };
 use actuator::{Free, FreePath, Handedness, Module};
 use std::{f64::consts::TAU, sync::Arc};
@@ -46,23 +46,29 @@ fn greatest(pressures: &[f64]) -> f64 {
     pressures.iter().copied().fold(0.0, f64::max)
 }
 
-/// Bending law of each FREE up to its greatest pressure (Pa), from solids or, with no sweep, of the bare tube; FREEs of one section
-/// share it. `None` where the run was stopped.
+/// Bending law of each FREE up to its greatest pressure (Pa), from solids or, with no sweep, of the bare tube: a law of the strains far
+/// from caps or, `between_caps`, of the FREE's mean ones. `None` where the run was stopped.
 pub(crate) fn bending_laws(
     module: &Module,
     pressures: &[f64],
     sweep: Option<BendingSweep>,
+    between_caps: bool,
     run: &Run<'_>,
 ) -> Result<Option<Vec<Arc<dyn BendingLaw>>>, ModuleSweepError> {
-    each_section(module, pressures, |free, _, top| {
-        let own = &module.frees[free].free;
-        let Some(sweep) = sweep else {
-            return Ok(Some(Arc::new(ConstantBending::of_bare_tube(own)) as Arc<dyn BendingLaw>));
-        };
-        let found = sweep.tabulate(own, top, run);
+    let Some(sweep) = sweep else {
+        let bare = module.frees.iter().map(|placed| ConstantBending::of_bare_tube(&placed.free));
+        return Ok(Some(bare.map(|law| Arc::new(law) as Arc<dyn BendingLaw>).collect()));
+    };
+    let tables = each_section(module, pressures, |free, _, top| {
+        let found = sweep.tabulate(&module.frees[free].free, top, run);
         let table = found.map_err(|source| ModuleSweepError::Bending { free, source })?;
-        Ok(table.map(|table| Arc::new(table) as Arc<dyn BendingLaw>))
-    })
+        Ok(table.map(Arc::new))
+    })?;
+    let Some(tables) = tables else { return Ok(None) };
+    let laws = tables.into_iter().zip(&module.frees).map(|(table, placed)| -> Arc<dyn BendingLaw> {
+        if between_caps { Arc::new(table.between_caps(placed.free.tube.length)) } else { table }
+    });
+    Ok(Some(laws.collect()))
 }
 
 impl ModuleSweep {
@@ -115,24 +121,58 @@ impl ModuleSweep {
         pressures: &[Vec<f64>],
         run: &Run<'_>,
     ) -> Result<Option<Vec<Arc<dyn BendingLaw>>>, ModuleSweepError> {
+        bending_laws(module, &self.tops(module, pressures)?, self.bending, self.caps.is_some(), run)
+    }
+
+    /// Greatest pressure of each FREE (Pa) that it bears without load.
+    fn tops(&self, module: &Module, pressures: &[Vec<f64>]) -> Result<Vec<f64>, ModuleSweepError> {
         let top = |(axis, path): (&Vec<f64>, &FreePath)| {
             path.limit_pressure().map_or(greatest(axis), |limit| limit.min(greatest(axis)))
         };
-        let tops: Vec<f64> = pressures.iter().zip(&self.free_paths(module, pressures)?).map(top).collect();
-        bending_laws(module, &tops, self.bending, run)
+        Ok(pressures.iter().zip(&self.free_paths(module, pressures)?).map(top).collect())
     }
 
-    /// Section and bending law of each FREE; `None` where the run was stopped.
+    /// Law of each FREE's stretch and twist as a rod: that of its section with, where they count, its caps. `None` where the run was
+    /// stopped.
     ///
     /// # Errors
-    /// As of [`ModuleSweep::section_laws`] and [`ModuleSweep::bending_laws`].
+    /// [`ModuleSweepError::Caps`] where the solid between the caps cannot be solved.
+    pub fn capped_laws(
+        &self,
+        module: &Module,
+        sections: Vec<Arc<SectionTable>>,
+        pressures: &[Vec<f64>],
+        run: &Run<'_>,
+    ) -> Result<Option<Vec<Arc<dyn SectionLaw>>>, ModuleSweepError> {
+        let Some(sweep) = self.caps else {
+            return Ok(Some(sections.into_iter().map(|section| section as Arc<dyn SectionLaw>).collect()));
+        };
+        let caps = each_section(module, &self.tops(module, pressures)?, |free, section, top| {
+            let found = sweep.tabulate(section, sections[free].as_ref(), top, run);
+            let found: Option<CapTable> = found.map_err(|source| ModuleSweepError::Caps { free, source })?;
+            Ok(found.map(Arc::new))
+        })?;
+        let Some(caps) = caps else { return Ok(None) };
+        let laws = sections.into_iter().zip(caps).zip(&module.frees);
+        let laws = laws.map(|((section, caps), placed)| -> Arc<dyn SectionLaw> {
+            let tube = placed.free.tube;
+            Arc::new(CappedSection::new(section, caps, [tube.length, tube.outer_radius()]))
+        });
+        Ok(Some(laws.collect()))
+    }
+
+    /// Law of each FREE as a rod; `None` where the run was stopped.
+    ///
+    /// # Errors
+    /// As of [`ModuleSweep::section_laws`], [`ModuleSweep::capped_laws`] and [`ModuleSweep::bending_laws`].
     pub fn rod_laws(
         &self,
         module: &Module,
         pressures: &[Vec<f64>],
         run: &Run<'_>,
     ) -> Result<Option<Vec<RodLaw>>, ModuleSweepError> {
-        let Some(sections) = self.section_laws(module, pressures, run)? else { return Ok(None) };
+        let Some(tables) = self.section_laws(module, pressures, run)? else { return Ok(None) };
+        let Some(sections) = self.capped_laws(module, tables, pressures, run)? else { return Ok(None) };
         let Some(bending) = self.bending_laws(module, pressures, run)? else { return Ok(None) };
         let laws = sections.into_iter().zip(bending).map(|(section, bending)| RodLaw { section, bending });
         Ok(Some(laws.collect()))

@@ -1,6 +1,6 @@
 use crate::{
-    BendingSweep, ModuleError, ModuleLine, ModuleSolver, ModuleSweepError, RodModule, RodSettings, Run,
-    SectionMesh, Shard, SolidModule, SolidModuleSettings, TipLoad,
+    BendingSweep, CapSweep, ModuleError, ModuleLine, ModuleSolver, ModuleSweepError, RodModule, RodSettings,
+    Run, SectionMesh, Shard, SolidModule, SolidModuleSettings, TipLoad,
     free_map::next_fraction,
     module_fill::{Filling, FinishedRow},
     module_line::spread,
@@ -24,6 +24,8 @@ pub struct ModuleSweep {
     pub solids: Option<SolidModuleSettings>,
     /// How bending and shear stiffness are computed; `None` takes those of the bare tube, 3 mu I and mu A.
     pub bending: Option<BendingSweep>,
+    /// How it is found what their caps do to the rods' stretch and twist; `None` for sections that reach from plate to plate.
+    pub caps: Option<CapSweep>,
     /// Whether of nodes that a symmetry of the module carries into each other only the first is computed.
     pub use_symmetry: bool,
     /// Number of states at random pressures, for a fit to be judged by.
@@ -42,6 +44,7 @@ impl Default for ModuleSweep {
             rods: RodSettings::default(),
             solids: None,
             bending: Some(BendingSweep::default()),
+            caps: Some(CapSweep::default()),
             use_symmetry: true,
             checks: 60,
             seed: 1,
@@ -122,8 +125,13 @@ impl ModuleSweep {
         let SectionMesh { radial, under_fibre, between_fibres } = self.mesh;
         format!(
             "{}; section laws tabulated from half a fibre pitch of {radial} elements through the wall, {under_fibre} under half \
-             a fibre, {between_fibres} beside it, threads spread over all of the surface; bending and shear {}",
+             a fibre, {between_fibres} beside it, threads spread over all of the surface{}; bending and shear {}",
             self.rods.describe(),
+            match self.caps {
+                Some(sweep) =>
+                    format!(", with the ends that solids of {} outer radii have between caps", sweep.length),
+                None => String::new(),
+            },
             match self.bending {
                 Some(sweep) => format!("tabulated from solids at {} pressures", sweep.planes),
                 None => "of the bare tube, 3 mu I and mu A".to_owned(),

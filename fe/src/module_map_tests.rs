@@ -35,7 +35,16 @@ fn pair() -> Module {
 fn sweep() -> ModuleSweep {
     let mesh = SectionMesh { radial: 1, under_fibre: 1, between_fibres: 2 };
     let rods = RodSettings { elements: 6, bending_stiffness_scale: 2.0, tip_load: TipLoad::default() };
-    ModuleSweep { mesh, rods, solids: None, bending: None, use_symmetry: true, checks: 3, seed: 5 }
+    ModuleSweep {
+        mesh,
+        rods,
+        solids: None,
+        bending: None,
+        caps: None,
+        use_symmetry: true,
+        checks: 3,
+        seed: 5,
+    }
 }
 
 fn empty(sweep: &ModuleSweep) -> ModuleMap {

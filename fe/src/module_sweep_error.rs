@@ -43,6 +43,14 @@ pub enum ModuleSweepError {
         /// Why.
         source: SolidError,
     },
+    /// What the caps do to a FREE cannot be computed.
+    #[error("caps of FREE {}: {source}", free + 1)]
+    Caps {
+        /// Index of the FREE.
+        free: usize,
+        /// Why.
+        source: SolidError,
+    },
     /// The rods cannot be set up, or brought where they are held.
     #[error(transparent)]
     Rods(#[from] RodError),

@@ -6,6 +6,7 @@ mod benchmarks;
 mod bending_tests;
 #[cfg(test)]
 mod buckling_tests;
+mod capped_section;
 mod chain;
 mod contact;
 mod critical;
@@ -29,6 +30,7 @@ mod system;
 mod table_grid;
 mod wall_table;
 
+pub use capped_section::CappedSection;
 pub use critical::Buckling;
 pub use equilibrium::{Configuration, Equilibrium, RodError};
 pub use held::HeldModule;
