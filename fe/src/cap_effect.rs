@@ -201,7 +201,7 @@ mod tests {
     }
 
     fn samples() -> Vec<CapSample> {
-        let places = [-1.0, -0.5, 0.0, 0.5, 1.0];
+        let places: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
         // About those of the sweep.
         let all = places.into_iter().flat_map(|x| places.map(|y| [x, y]));
         let all = all.filter(|[x, y]| x.abs() + y.abs() <= 1.0);
