@@ -1,7 +1,7 @@
 use crate::{pose_error::pose_error, target::Goal};
 use actuator::PoseChart;
 use nalgebra::{DMatrix, DVector, Vector6};
-use rom::{PoseEvaluation, PoseModel};
+use rom::{OutOfDomain, PoseEvaluation, PoseModel};
 
 /// Pressures, the pose error there and its derivative.
 #[derive(Clone, Debug)]
@@ -15,7 +15,15 @@ pub(crate) struct Point {
     pub jacobian: DMatrix<f64>,
 }
 
+/// Weighted pose error (m) that stands for a pose that there is not.
+const BARRIER: f64 = 1e6;
+
 impl Point {
+    /// Whether the module has no stable state there.
+    pub fn is_unstable(&self) -> bool {
+        self.error[0] == BARRIER
+    }
+
     /// Half the squared weighted error, m^2: what is minimised.
     pub fn cost(&self) -> f64 {
         0.5 * self.error.norm_squared()
@@ -93,10 +101,17 @@ impl<'m, M: PoseModel + ?Sized> Problem<'m, M> {
         moved
     }
 
-    /// The pose error at pressures of the box; in words, what keeps the model from answering.
+    /// The pose error at pressures of the box; in words, what keeps the model from answering. Where the module has no stable state the
+    /// error is [`BARRIER`], which no search prefers to any pose.
     pub fn evaluate(&mut self, pressures: Vec<f64>) -> Result<Point, String> {
         self.evaluations += 1;
-        self.model.evaluate(&pressures, &mut self.evaluation).map_err(|outside| outside.to_string())?;
+        match self.model.evaluate(&pressures, &mut self.evaluation) {
+            Err(OutOfDomain::Unstable { .. }) => {
+                let (chart, error) = (PoseChart::default(), Vector6::from_element(BARRIER));
+                return Ok(Point { pressures, chart, error, jacobian: DMatrix::zeros(6, self.count()) });
+            }
+            answer => answer.map_err(|outside| outside.to_string())?,
+        }
         let chart = self.evaluation.chart;
         let (error, by_chart) = pose_error(&self.goal, &chart);
         let mut jacobian = DMatrix::zeros(6, self.count());

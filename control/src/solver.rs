@@ -122,7 +122,9 @@ impl<'m, M: PoseModel + ?Sized> Solver<'m, M> {
                 best = Some(found);
             }
         }
-        let Some((point, ..)) = best else { return Err("there was no start to search from".into()) };
+        let Some((point, ..)) = best else {
+            return Err("the module has no stable state at any of the pressures that a search could start from; no pressures are given".into());
+        };
         let pressures = point.pressures.clone();
         let local = conclude(input, &problem, point, *iterations, tried)?;
         if local.status == Status::Reached || input.step_limit.is_none() || input.starts == 0 {
@@ -353,6 +355,12 @@ fn conclude<M: PoseModel + ?Sized>(
     tried: usize,
 ) -> Result<Solution, String> {
     let n = problem.count();
+    if point.is_unstable() {
+        return Err(
+            "the search found only pressures at which the module has no stable state; no pressures are given"
+                .into(),
+        );
+    }
     let Bounds { lower, upper, limit } = &input.bounds;
     for (free, pressure) in point.pressures.iter().enumerate() {
         if !(lower[free] <= *pressure && *pressure <= upper[free]) {

@@ -7,7 +7,8 @@ use rom::{OutOfDomain, PoseEvaluation, PoseModel};
 pub struct WorkspaceTable {
     per_axis: Vec<usize>,
     bounds: Bounds,
-    charts: Vec<PoseChart>,
+    /// Of each node, where the module has a stable state.
+    charts: Vec<Option<PoseChart>>,
 }
 
 /// Nodes of a table at most, as long as every axis has its three: 7 x 7 x 7 x 7 for four FREEs, 10 ms of evaluations.
@@ -40,8 +41,10 @@ impl WorkspaceTable {
         let mut table = WorkspaceTable { per_axis, bounds: bounds.clone(), charts: Vec::with_capacity(all) };
         let mut evaluation = PoseEvaluation::new(bounds.lower.len(), 0);
         for node in 0..all {
-            model.evaluate(&table.pressures(node), &mut evaluation)?;
-            table.charts.push(evaluation.chart);
+            table.charts.push(match model.evaluate(&table.pressures(node), &mut evaluation) {
+                Err(OutOfDomain::Unstable { .. }) => None,
+                answer => answer.map(|()| Some(evaluation.chart))?,
+            });
         }
         Ok(table)
     }
@@ -49,11 +52,6 @@ impl WorkspaceTable {
     /// Bounds it was made for.
     pub fn bounds(&self) -> &Bounds {
         &self.bounds
-    }
-
-    /// Poses of the nodes.
-    pub fn charts(&self) -> &[PoseChart] {
-        &self.charts
     }
 
     /// Pressures (Pa) of a node, last FREE fastest.
@@ -73,7 +71,7 @@ impl WorkspaceTable {
             .charts
             .iter()
             .enumerate()
-            .map(|(node, chart)| (pose_error(goal, chart).0.norm_squared(), node))
+            .filter_map(|(node, chart)| Some((pose_error(goal, chart.as_ref()?).0.norm_squared(), node)))
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut chosen: Vec<(usize, Vec<usize>)> = Vec::with_capacity(count);
