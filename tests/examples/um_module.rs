@@ -1,20 +1,20 @@
 //! Predicted and measured motion of a real module: three FREEs on a guide that leaves z and the rotation about z free.
 //!
-//! `cargo run --release -p freeact-tests --example um_module -- DIR [drawing] [fit] [reasons] [guide]`
+//! `cargo run --release -p freeact-tests --example um_module -- DIR [drawing] [fit] [reasons] [bends] [guide]`
 //!
 //! DIR holds `rig.toml` and `grid.csv` of D. Bruder's module of the University of Michigan (github.com/bruderd/UM-Matlab at 80fc221, which states no
 //! licence: the data are not part of this project). Everything is printed: what was recorded, the prediction from the drawing alone, with one
 //! shear modulus fitted to all FREEs, errors on combinations held out of the fit, and by how much each likely reason would change
-//! the prediction. Naming parts prints those only. Minutes.
+//! the prediction. Naming parts prints those only. Minutes, most for the fit.
 
 use actuator::{
     Description, Module, PoseChart, Rig, Wrench,
     units::{DEG, KPA, MM},
 };
-use fe::ModuleSweep;
+use fe::{ConstantBending, ModuleSweep, ThickTube};
 use freeact_tests::{
     plateau::{Plateau, plateaus},
-    um_module::{Errors, ModulusScan, Motion, Variation, predict, ranges, rods, wanted_of_guide},
+    um_module::{Errors, ModulusScan, Motion, Predictor, Variation, ranges},
 };
 use std::{error::Error, path::PathBuf};
 
@@ -145,20 +145,30 @@ fn in_parts(motions: &[Option<Motion>], found: &[Plateau], range: [f64; 2]) {
     }
 }
 
-fn fit_and_judge(module: &Module, base: &Variation, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
+fn fit_and_judge(
+    module: &Module,
+    predictor: &Predictor,
+    base: &Variation,
+    found: &[Plateau],
+) -> Result<(), Box<dyn Error>> {
     let range = ranges(found);
-    let scan = ModulusScan::new(module, base, &FACTORS, &command(found))?;
+    let scan = ModulusScan::new(predictor, base, &FACTORS, &command(found))?;
     let (factor, [low, high]) = fitted(&scan, found);
     let own = module.frees[0].free.elastomer.shear_modulus() / 1e6;
     println!(
-        "\n{} spacers, one modulus fitted to all: {factor:.3} x {own} MPa = {:.3} MPa (95 % {:.3} to {:.3}, leaving out levels of FREE 1)",
+        "\n{} spacers, bending {}, one modulus fitted to all: {factor:.3} x {own} MPa = {:.3} MPa (95 % {:.3} to {:.3}, leaving out levels of FREE 1)",
         base.spacers,
+        if base.bare { "of the bare tubes" } else { "from solids" },
         factor * own,
         low * own,
         high * own
     );
     head();
-    let motions = predict(module, &Variation { modulus: factor, ..base.clone() }, &command(found))?;
+    println!(
+        "fitted on {} that have an equilibrium at every factor",
+        (0..found.len()).filter(|i| scan.is_told(*i)).count()
+    );
+    let motions = predictor.predict(&Variation { modulus: factor, ..base.clone() }, &command(found))?;
     tell("all, as fitted", &errors_where(&motions, found, &|_| true), range);
     in_parts(&motions, found, range);
     let mut levels: Vec<f64> = found.iter().map(|plateau| plateau.command_kpa[2]).collect();
@@ -184,17 +194,19 @@ fn every_fourth_row(found: &[Plateau]) -> Vec<Plateau> {
     found.chunks(9).step_by(4).flatten().cloned().collect()
 }
 
-fn drawn(module: &Module, part: &[Plateau]) -> Result<ModulusScan, Box<dyn Error>> {
-    Ok(ModulusScan::new(module, &Variation::default(), &FACTORS, &command(part))?)
+fn drawn(predictor: &Predictor, base: &Variation, part: &[Plateau]) -> Result<ModulusScan, Box<dyn Error>> {
+    Ok(ModulusScan::new(predictor, base, &FACTORS, &command(part))?)
 }
 
 /// What each reason would change, on every fourth row of the recording.
-fn reasons(module: &Module, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
+fn reasons(predictor: &Predictor, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
     let part = every_fourth_row(found);
     let range = ranges(found);
-    let (factor, _) = drawn(module, &part)?.fit(&part, &|_| true);
-    let base = Variation { modulus: factor, ..Variation::default() };
-    let before = predict(module, &base, &command(&part))?;
+    // Bending of the bare tubes, with which every combination has an equilibrium and laws are quickly made.
+    let bare = Variation { bare: true, ..Variation::default() };
+    let (factor, _) = drawn(predictor, &bare, &part)?.fit(&part, &|_| true);
+    let base = Variation { modulus: factor, ..bare };
+    let before = predictor.predict(&base, &command(&part))?;
     let offset: [f64; 3] = std::array::from_fn(|free| {
         let idle = part.iter().filter(|plateau| plateau.command_kpa[free] == 0.0);
         median(idle.map(|plateau| plateau.monitor_kpa[free]).collect())
@@ -217,6 +229,7 @@ fn reasons(module: &Module, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
         ("threads 1 % loose", Variation { slack: 0.01, ..base.clone() }, command(&part)),
         ("EA a tenth", Variation { threads: 0.1, ..base.clone() }, command(&part)),
         ("bending stiffness x 3", Variation { bending: 3.0, ..base.clone() }, command(&part)),
+        ("bending from solids", Variation { bare: false, ..base.clone() }, command(&part)),
         ("nine spacers", Variation { spacers: 9, ..base.clone() }, command(&part)),
     ];
     println!(
@@ -225,12 +238,12 @@ fn reasons(module: &Module, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
     );
     println!("{:44} change: rms mm      rad   fitted again: x      rms mm      rad   misfit", "");
     for (name, variation, pressures) in &changes {
-        let changed = predict(module, variation, pressures)?;
+        let changed = predictor.predict(variation, pressures)?;
         let both = || changed.iter().zip(&before).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
         let rms = |k: usize| {
             (both().map(|(a, b)| (a[k] - b[k]).powi(2)).sum::<f64>() / both().count().max(1) as f64).sqrt()
         };
-        let scan = ModulusScan::new(module, variation, &FACTORS, pressures)?;
+        let scan = ModulusScan::new(predictor, variation, &FACTORS, pressures)?;
         let (again, misfit) = scan.fit(&part, &|_| true);
         let errors = Errors::of(scan.at(again).iter().zip(&part));
         println!(
@@ -249,10 +262,11 @@ fn reasons(module: &Module, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
 }
 
 /// What the guide has to do with it: the wrench that it would have to give, and how far little of it moves the plate.
-fn guide(module: &Module, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
+fn guide(module: &Module, predictor: &Predictor, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
     let part = every_fourth_row(found);
-    let (factor, _) = drawn(module, &part)?.fit(&part, &|_| true);
-    let blocked = rods(module, &Variation::default())?;
+    let (factor, _) =
+        drawn(predictor, &Variation { bare: true, ..Variation::default() }, &part)?.fit(&part, &|_| true);
+    let blocked = predictor.rods(&Variation { bare: true, ..Variation::default() })?;
     let rest = PoseChart { twist: 0.0, bend: [0.0; 2], position: [0.0, 0.0, module.length()] };
     println!(
         "\nForce along z and moment about z of one FREE at its greatest pressure, plate held at rest, from the drawing"
@@ -267,7 +281,8 @@ fn guide(module: &Module, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
         "\nWhat the guide would have to give for the module to stand where it was measured (plate held there), medians"
     );
     for modulus in [1.0, factor] {
-        let wanted = wanted_of_guide(module, &Variation { modulus, ..Variation::default() }, &part)?;
+        let wanted =
+            predictor.wanted_of_guide(&Variation { modulus, bare: true, ..Variation::default() }, &part)?;
         let pairs: Vec<([f64; 2], &Plateau)> =
             wanted.iter().zip(&part).filter_map(|(wanted, plateau)| Some(((*wanted)?, plateau))).collect();
         for (name, low, high) in [("0", -1.0, 1.0), ("17 to 69", 1.0, 70.0), ("86 to 138", 70.0, 140.0)] {
@@ -287,10 +302,10 @@ fn guide(module: &Module, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
     println!("\nWhere FREE 3 has up to 52 kPa, medians:");
     let low: Vec<Plateau> = part.iter().filter(|plateau| plateau.command_kpa[2] < 60.0).cloned().collect();
     for modulus in [1.0, factor] {
-        let base = Variation { modulus, ..Variation::default() };
-        let before = predict(module, &base, &command(&low))?;
+        let base = Variation { modulus, bare: true, ..Variation::default() };
+        let before = predictor.predict(&base, &command(&low))?;
         for (name, load) in [("10 N along z", [10.0, 0.0]), ("0.01 N m about z", [0.0, 0.01])] {
-            let changed = predict(module, &Variation { load, ..base.clone() }, &command(&low))?;
+            let changed = predictor.predict(&Variation { load, ..base.clone() }, &command(&low))?;
             let both = || changed.iter().zip(&before).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
             let moved = |k: usize| median(both().map(|(a, b)| (a[k] - b[k]).abs()).collect());
             println!(
@@ -303,7 +318,44 @@ fn guide(module: &Module, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn from_the_drawing(rig: &Rig, module: &Module, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
+/// How stiff FREE 1 is in bending by the law from solids, and how far its threads are stretched, against how far the guide bends it.
+fn bends(module: &Module, predictor: &Predictor, found: &[Plateau]) -> Result<(), Box<dyn Error>> {
+    let (arm, length) = (module.frees[0].position[1].abs(), module.length());
+    let turned = found.iter().map(|plateau| plateau.rz_rad.abs()).fold(0.0, f64::max);
+    // Clamped ends that are shifted by d: 6 d/L^2.
+    let curvature = 6.0 * arm * turned / (length * length);
+    for modulus in [1.0, 5.0] {
+        let mut free = module.frees[0].free;
+        free.elastomer = free.elastomer.with_shear_modulus(modulus * free.elastomer.shear_modulus());
+        let law = predictor.rods(&Variation { modulus, ..Variation::default() })?.laws().swap_remove(0);
+        let (tube, radius) = (ThickTube::new(&free), free.tube.outer_radius());
+        let turn = free.winding.turn_per_length(radius);
+        let bare = ConstantBending::of_bare_tube(&free).bending;
+        println!(
+            "\nFREE 1 at {modulus} x the modulus; the guide bends its surface by up to {:.2} % ({curvature:.1} rad/m)",
+            100.0 * curvature * radius
+        );
+        for kpa in [0.0, 17.2, 34.5, 51.7, 68.9] {
+            let state = tube.free_state(kpa * KPA)?;
+            let answer = law.bending.respond(kpa * KPA, state.axial_stretch, state.twist_per_length, 0.0);
+            let around = state.expansion * radius * (turn + state.twist_per_length);
+            let thread = around.hypot(state.axial_stretch) / (radius * turn).hypot(1.0) - 1.0;
+            println!(
+                "free at {kpa:4.1} kPa: EI {:5.1} x 3 mu I, threads stretched by {:.3} %",
+                answer.stiffness[0] / bare,
+                100.0 * thread
+            );
+        }
+    }
+    Ok(())
+}
+
+fn from_the_drawing(
+    rig: &Rig,
+    module: &Module,
+    predictor: &Predictor,
+    found: &[Plateau],
+) -> Result<(), Box<dyn Error>> {
     let range = ranges(found);
     let map = ModuleSweep::default().empty_map(
         module.clone(),
@@ -313,16 +365,20 @@ fn from_the_drawing(rig: &Rig, module: &Module, found: &[Plateau]) -> Result<(),
     )?;
     println!("\nFrom the drawing alone. Limit pressures of the FREEs: {:?} Pa", map.limit_pressures);
     head();
-    for spacers in [0, 9] {
-        let base = Variation { spacers, ..Variation::default() };
+    for (spacers, bare) in [(0, false), (0, true), (9, false)] {
+        let base = Variation { spacers, bare, ..Variation::default() };
         for (name, pressures) in [("command", command(found)), ("monitor", monitor(found))] {
             // Tied FREEs are for comparison only, and which pressures hardly matters here.
-            if spacers > 0 && name == "monitor" {
+            if (spacers > 0 || bare) && name == "monitor" {
                 continue;
             }
-            let motions = predict(module, &base, &pressures)?;
-            tell(&format!("{spacers} spacers, by {name}"), &errors_where(&motions, found, &|_| true), range);
-            if spacers == 0 && name == "command" {
+            let motions = predictor.predict(&base, &pressures)?;
+            tell(
+                &format!("{spacers} spacers, by {name}{}", if bare { ", 3 mu I" } else { "" }),
+                &errors_where(&motions, found, &|_| true),
+                range,
+            );
+            if spacers == 0 && !bare && name == "command" {
                 in_parts(&motions, found, range);
             }
         }
@@ -341,19 +397,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let (found, lost) = plateaus(&folder.join("grid.csv"));
     recorded(&found, lost);
+    let predictor = Predictor::new(module);
     if wanted("drawing") {
-        from_the_drawing(&rig, module, &found)?;
+        from_the_drawing(&rig, module, &predictor, &found)?;
     }
     if wanted("fit") {
-        for spacers in [0, 9] {
-            fit_and_judge(module, &Variation { spacers, ..Variation::default() }, &found)?;
+        for (spacers, bare) in [(0, false), (0, true), (9, false)] {
+            fit_and_judge(module, &predictor, &Variation { spacers, bare, ..Variation::default() }, &found)?;
         }
     }
     if wanted("reasons") {
-        reasons(module, &found)?;
+        reasons(&predictor, &found)?;
+    }
+    if wanted("bends") {
+        bends(module, &predictor, &found)?;
     }
     if wanted("guide") {
-        guide(module, &found)?;
+        guide(module, &predictor, &found)?;
     }
     Ok(())
 }

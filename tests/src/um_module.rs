@@ -5,8 +5,14 @@ use actuator::{
     Module, PoseChart, Winding, Wrench,
     units::{KPA, MM},
 };
-use fe::{ConstantBending, Equilibrium, RodError, RodLaw, RodModule, RodSettings, ThickTube, TipLoad};
-use std::sync::Arc;
+use fe::{
+    BendingLaw, ConstantBending, Equilibrium, ModuleSweep, ModuleSweepError, RodError, RodLaw, RodModule,
+    RodSettings, Run, SectionLaw, SectionTable, TipLoad,
+};
+use std::{
+    error::Error,
+    sync::{Arc, Mutex, PoisonError, atomic::AtomicBool},
+};
 
 /// What is changed of the description for a prediction.
 #[derive(Clone, Debug)]
@@ -23,8 +29,10 @@ pub struct Variation {
     pub slack: f64,
     /// Factor on EA.
     pub threads: f64,
-    /// Factor on the bending stiffness.
+    /// Factor on the bending law.
     pub bending: f64,
+    /// Bending of the bare tubes, 3 mu I and mu A, in the place of that from solids.
+    pub bare: bool,
     /// Spacers.
     pub spacers: u32,
     /// Elements a FREE.
@@ -44,6 +52,7 @@ impl Default for Variation {
             slack: 0.0,
             threads: 1.0,
             bending: 1.0,
+            bare: false,
             spacers: 0,
             elements: 8,
             load: [0.0; 2],
@@ -54,74 +63,187 @@ impl Default for Variation {
 /// Shift along z (m) and rotation about z (rad) of the plate since rest.
 pub type Motion = [f64; 2];
 
-/// Rods of the module as changed. The sections are tubes with smeared threads, in closed form; bending is that of the bare tubes.
-///
-/// # Errors
-/// As of [`RodModule::new`].
-pub fn rods(module: &Module, variation: &Variation) -> Result<RodModule, RodError> {
-    let mut module = module.clone();
-    module.spacers = variation.spacers;
-    for (index, placed) in module.frees.iter_mut().enumerate() {
-        let free = &mut placed.free;
-        free.elastomer =
-            free.elastomer.with_shear_modulus(variation.modulus * free.elastomer.shear_modulus());
-        free.tube.wall -= variation.thinner;
-        free.tube.length *= variation.length;
-        free.winding.fibre.axial_stiffness *= variation.threads;
-        if index == 2 {
-            let Winding { handedness, fibres, fibre, .. } = free.winding;
-            let angle = free.winding.angle_from_hoop() + variation.angle;
-            free.winding = Winding::from_hoop(angle, handedness, fibres, fibre);
-        }
-    }
-    let law = |free| RodLaw {
-        section: Arc::new(ThickTube::new(free).with_slack(variation.slack)),
-        bending: Arc::new(ConstantBending::of_bare_tube(free)),
-    };
-    let laws = module.frees.iter().map(|placed| law(&placed.free)).collect();
-    let [force, moment] = variation.load;
-    let settings = RodSettings {
-        elements: variation.elements,
-        bending_stiffness_scale: variation.bending,
-        tip_load: TipLoad { force: [0.0, 0.0, force], moment: [0.0, 0.0, moment] },
-    };
-    RodModule::new(&module, laws, settings)
+/// Greatest pressures that laws are made for, kPa: the monitors read a little more than the commands.
+const TOP_KPA: [f64; 3] = [75.0, 75.0, 147.0];
+
+/// Section and bending laws of a module of one modulus, wall, thread and angle.
+struct Laws {
+    /// Factor on the modulus, wall taken off, factor on EA, angle added, bare bending.
+    of: ([f64; 4], bool),
+    sections: Vec<Arc<SectionTable>>,
+    bending: Vec<Arc<dyn BendingLaw>>,
 }
 
-/// Motions at pressures (kPa) in the order of the recording, in which FREE 3 rises in rows: each is followed from the one before, the
-/// first of a row from the first of the row before. `None` where no equilibrium is found, and for the rest of that row.
-///
-/// # Errors
-/// [`RodError`] where the rods cannot be set up or have no state of rest.
-pub fn predict(
-    module: &Module,
-    variation: &Variation,
-    pressures_kpa: &[[f64; 3]],
-) -> Result<Vec<Option<Motion>>, RodError> {
-    let rods = rods(module, variation)?;
-    let rest = rods.rest()?;
-    let height = rest.state.chart.position[2];
-    let (mut row, mut last): (Equilibrium, Option<Equilibrium>) = (rest.clone(), None);
-    let mut motions = Vec::with_capacity(pressures_kpa.len());
-    let mut before = [f64::INFINITY; 3];
-    for kpa in pressures_kpa {
-        let pressures = kpa.map(|kpa| kpa * KPA);
-        if kpa[2] < before[2] {
-            let found = rods.solve_from(&row, &pressures).or_else(|_| rods.solve_from(&rest, &pressures));
-            last = found.ok();
-            if let Some(found) = &last {
-                row = found.clone();
-            }
-        } else {
-            last = last.and_then(|last| rods.solve_from(&last, &pressures).ok());
+/// The module, and the laws of its FREEs as they have been wanted so far.
+pub struct Predictor {
+    module: Module,
+    laws: Mutex<Vec<Arc<Laws>>>,
+}
+
+/// Why there is no prediction.
+#[derive(Debug)]
+pub enum PredictionError {
+    /// The laws of the FREEs cannot be made.
+    Laws(Box<ModuleSweepError>),
+    /// The rods cannot be set up or have no state of rest.
+    Rods(RodError),
+    /// A prediction panicked.
+    Panicked,
+}
+
+impl std::fmt::Display for PredictionError {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            PredictionError::Laws(error) => error.fmt(out),
+            PredictionError::Rods(error) => error.fmt(out),
+            PredictionError::Panicked => "a prediction panicked".fmt(out),
         }
-        before = *kpa;
-        motions.push(last.as_ref().map(|found| {
-            let chart = found.state.chart;
-            [chart.position[2] - height, chart.twist]
-        }));
     }
-    Ok(motions)
+}
+
+impl Error for PredictionError {}
+
+impl From<RodError> for PredictionError {
+    fn from(error: RodError) -> Self {
+        PredictionError::Rods(error)
+    }
+}
+
+impl From<ModuleSweepError> for PredictionError {
+    fn from(error: ModuleSweepError) -> Self {
+        PredictionError::Laws(Box::new(error))
+    }
+}
+
+impl Predictor {
+    /// Of a module as it is described.
+    pub fn new(module: &Module) -> Self {
+        Predictor { module: module.clone(), laws: Mutex::default() }
+    }
+
+    fn changed(&self, variation: &Variation) -> Module {
+        let mut module = self.module.clone();
+        module.spacers = variation.spacers;
+        for (index, placed) in module.frees.iter_mut().enumerate() {
+            let free = &mut placed.free;
+            free.elastomer =
+                free.elastomer.with_shear_modulus(variation.modulus * free.elastomer.shear_modulus());
+            free.tube.wall -= variation.thinner;
+            free.tube.length *= variation.length;
+            free.winding.fibre.axial_stiffness *= variation.threads;
+            if index == 2 {
+                let Winding { handedness, fibres, fibre, .. } = free.winding;
+                let angle = free.winding.angle_from_hoop() + variation.angle;
+                free.winding = Winding::from_hoop(angle, handedness, fibres, fibre);
+            }
+        }
+        module
+    }
+
+    /// Laws of the FREEs as changed: made anew for every modulus, wall, thread and angle, as `freeact map` makes them.
+    fn laws(&self, module: &Module, variation: &Variation) -> Result<Vec<RodLaw>, ModuleSweepError> {
+        let Variation { modulus, thinner, threads, angle, bare, .. } = *variation;
+        let of = ([modulus, thinner, threads, angle], bare);
+        let known = || self.laws.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = known().iter().find(|laws| laws.of == of).cloned();
+        let laws = match found {
+            Some(laws) => laws,
+            None => {
+                let (stop, sweep) = (AtomicBool::new(false), ModuleSweep::default());
+                let run = Run { jobs: 2, progress: &|_, _| (), stop: &stop };
+                let axes: Vec<Vec<f64>> = TOP_KPA.iter().map(|top| vec![0.0, top * KPA]).collect();
+                let sections = sweep.section_laws(module, &axes, &run)?.unwrap_or_default();
+                let law = |free| Arc::new(ConstantBending::of_bare_tube(free)) as Arc<dyn BendingLaw>;
+                let bending = match bare {
+                    true => module.frees.iter().map(|placed| law(&placed.free)).collect(),
+                    false => sweep.bending_laws(module, &axes, &run)?.unwrap_or_default(),
+                };
+                let made = Arc::new(Laws { of, sections, bending });
+                known().push(made.clone());
+                made
+            }
+        };
+        let pairs = laws.sections.iter().zip(&laws.bending);
+        let law = |(section, bending): (&Arc<SectionTable>, &Arc<dyn BendingLaw>)| RodLaw {
+            section: Arc::new(section.as_ref().clone().with_slack(variation.slack)) as Arc<dyn SectionLaw>,
+            bending: bending.clone(),
+        };
+        Ok(pairs.map(law).collect())
+    }
+
+    /// Rods of the module as changed. The sections are tabulated from finite elements, with smeared threads; bending is from solids, or that of
+    /// the bare tubes. Loose threads are not loose in the solids.
+    ///
+    /// # Errors
+    /// [`PredictionError`] where the laws cannot be made or the rods not be set up.
+    pub fn rods(&self, variation: &Variation) -> Result<RodModule, PredictionError> {
+        let module = self.changed(variation);
+        let laws = self.laws(&module, variation)?;
+        let [force, moment] = variation.load;
+        let settings = RodSettings {
+            elements: variation.elements,
+            bending_stiffness_scale: variation.bending,
+            tip_load: TipLoad { force: [0.0, 0.0, force], moment: [0.0, 0.0, moment] },
+        };
+        Ok(RodModule::new(&module, laws, settings)?)
+    }
+
+    /// Motions at pressures (kPa) in the order of the recording, in which FREE 3 rises in rows: each is followed from the one before, or from
+    /// the same one of the row before, or from rest; `None` where all these paths end.
+    ///
+    /// # Errors
+    /// [`PredictionError`] where the rods cannot be set up or have no state of rest.
+    pub fn predict(
+        &self,
+        variation: &Variation,
+        pressures_kpa: &[[f64; 3]],
+    ) -> Result<Vec<Option<Motion>>, PredictionError> {
+        let rods = self.rods(variation)?;
+        let rest = rods.rest()?;
+        let height = rest.state.chart.position[2];
+        let mut row: Vec<Option<Equilibrium>> = vec![];
+        let mut above: Vec<Option<Equilibrium>> = vec![];
+        let mut before = [f64::INFINITY; 3];
+        let mut motions = Vec::with_capacity(pressures_kpa.len());
+        for kpa in pressures_kpa {
+            let pressures = kpa.map(|kpa| kpa * KPA);
+            if kpa[2] < before[2] {
+                above = std::mem::take(&mut row);
+            }
+            before = *kpa;
+            let near = [row.last(), above.get(row.len())].into_iter().flatten().filter_map(Option::as_ref);
+            let found = near.chain([&rest]).find_map(|start| rods.solve_from(start, &pressures).ok());
+            motions.push(found.as_ref().map(|found| {
+                let chart = found.state.chart;
+                [chart.position[2] - height, chart.twist]
+            }));
+            row.push(found);
+        }
+        Ok(motions)
+    }
+
+    /// What the guide would have to give to the plate, N along and N m about z, for the module as changed to stand where it was measured; by the
+    /// module held there.
+    ///
+    /// # Errors
+    /// [`PredictionError`] where the rods cannot be set up.
+    pub fn wanted_of_guide(
+        &self,
+        variation: &Variation,
+        plateaus: &[Plateau],
+    ) -> Result<Vec<Option<[f64; 2]>>, PredictionError> {
+        let rods = self.rods(variation)?;
+        let height = rods.rest()?.state.chart.position[2];
+        let wanted = plateaus.iter().map(|plateau| {
+            let position = [0.0, 0.0, height + plateau.z_mm * MM];
+            let pose = PoseChart { twist: plateau.rz_rad, bend: [0.0; 2], position };
+            let found =
+                rods.held(&pose).and_then(|held| held.solve(&plateau.command_kpa.map(|kpa| kpa * KPA)));
+            let given: Wrench = found.ok()?.wrenches.into_iter().sum();
+            Some([-given.force[2], -given.moment[2]])
+        });
+        Ok(wanted.collect())
+    }
 }
 
 /// Errors of predictions: shift (mm) and rotation (rad).
@@ -189,16 +311,22 @@ impl ModulusScan {
     /// Predicts at each factor.
     ///
     /// # Errors
-    /// As of [`predict`].
+    /// As of [`Predictor::predict`].
     pub fn new(
-        module: &Module,
+        predictor: &Predictor,
         base: &Variation,
         moduli: &[f64],
         pressures_kpa: &[[f64; 3]],
-    ) -> Result<Self, RodError> {
-        let at =
-            |modulus: &f64| predict(module, &Variation { modulus: *modulus, ..base.clone() }, pressures_kpa);
-        let motions = moduli.iter().map(at).collect::<Result<_, _>>()?;
+    ) -> Result<Self, PredictionError> {
+        let at = |modulus: &f64| {
+            predictor.predict(&Variation { modulus: *modulus, ..base.clone() }, pressures_kpa)
+        };
+        let motions = std::thread::scope(|scope| {
+            let each: Vec<_> = moduli.iter().map(|modulus| scope.spawn(move || at(modulus))).collect();
+            let found =
+                each.into_iter().map(|thread| thread.join().map_err(|_| PredictionError::Panicked)?);
+            found.collect::<Result<_, _>>()
+        })?;
         Ok(ModulusScan { moduli: moduli.to_vec(), motions })
     }
 
@@ -214,18 +342,24 @@ impl ModulusScan {
         self.motions[cell].iter().zip(&self.motions[cell + 1]).map(between).collect()
     }
 
-    /// The factor of least misfit on the plateaus chosen, each motion measured against its range; and that misfit. Only where every plateau chosen
-    /// has a prediction.
+    /// Whether a plateau has a prediction at every factor.
+    pub fn is_told(&self, index: usize) -> bool {
+        self.motions.iter().all(|motions| motions[index].is_some())
+    }
+
+    /// The factor of least misfit on those of the plateaus chosen that have a prediction at every factor, each motion measured against its range;
+    /// and that misfit.
     pub fn fit(&self, plateaus: &[Plateau], chosen: &dyn Fn(usize) -> bool) -> (f64, f64) {
         let range = ranges(plateaus);
         let misfit = |modulus: f64| {
             let motions = self.at(modulus);
-            let pairs = motions.iter().zip(plateaus).enumerate().filter(|(index, _)| chosen(*index));
+            let pairs = motions
+                .iter()
+                .zip(plateaus)
+                .enumerate()
+                .filter(|(index, _)| chosen(*index) && self.is_told(*index));
             let errors = Errors::of(pairs.map(|(_, pair)| pair));
-            match errors.missing {
-                0 => (errors.rms[0] / range[0]).hypot(errors.rms[1] / range[1]),
-                _ => f64::INFINITY,
-            }
+            (errors.rms[0] / range[0]).hypot(errors.rms[1] / range[1])
         };
         let (first, last) = (self.moduli[0].ln(), self.moduli[self.moduli.len() - 1].ln());
         const STEPS: usize = 200;
@@ -235,26 +369,4 @@ impl ModulusScan {
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .unwrap_or((1.0, f64::NAN))
     }
-}
-
-/// What the guide would have to give to the plate, N along and N m about z, for the module as changed to stand where it was measured; by the
-/// module held there.
-///
-/// # Errors
-/// [`RodError`] where the rods cannot be set up.
-pub fn wanted_of_guide(
-    module: &Module,
-    variation: &Variation,
-    plateaus: &[Plateau],
-) -> Result<Vec<Option<[f64; 2]>>, RodError> {
-    let rods = rods(module, variation)?;
-    let height = rods.rest()?.state.chart.position[2];
-    let wanted = plateaus.iter().map(|plateau| {
-        let position = [0.0, 0.0, height + plateau.z_mm * MM];
-        let pose = PoseChart { twist: plateau.rz_rad, bend: [0.0; 2], position };
-        let found = rods.held(&pose).and_then(|held| held.solve(&plateau.command_kpa.map(|kpa| kpa * KPA)));
-        let given: Wrench = found.ok()?.wrenches.into_iter().sum();
-        Some([-given.force[2], -given.moment[2]])
-    });
-    Ok(wanted.collect())
 }

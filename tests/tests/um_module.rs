@@ -4,7 +4,7 @@ use actuator::{Description, Handedness, Rig};
 use freeact_tests::{
     measured,
     plateau::{Plateau, plateaus},
-    um_module::{Errors, Variation, predict, ranges},
+    um_module::{Errors, Predictor, Variation, ranges},
 };
 
 #[test]
@@ -31,9 +31,10 @@ fn hands_agree_and_the_drawing_is_too_soft() {
     }
     let line = alone(0);
     let pressures: Vec<[f64; 3]> = line.iter().map(|plateau| plateau.command_kpa).collect();
+    let predictor = Predictor::new(&module);
     let errors = |modulus: f64| {
         let variation = Variation { modulus, ..Variation::default() };
-        let motions = predict(&module, &variation, &pressures).expect("rods");
+        let motions = predictor.predict(&variation, &pressures).expect("rods");
         let errors = Errors::of(motions.iter().zip(&line));
         println!("FREE 1 alone, modulus x {modulus}: {errors:?}");
         assert_eq!(errors.missing, 0);
