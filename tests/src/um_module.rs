@@ -149,7 +149,9 @@ impl Predictor {
         let laws = match found {
             Some(laws) => laws,
             None => {
-                let (stop, sweep) = (AtomicBool::new(false), ModuleSweep::default());
+                // Without the law of caps: their bending and their sections go together.
+                let sweep = ModuleSweep { caps: None, ..ModuleSweep::default() };
+                let stop = AtomicBool::new(false);
                 let run = Run { jobs: 2, progress: &|_, _| (), stop: &stop };
                 let axes: Vec<Vec<f64>> = TOP_KPA.iter().map(|top| vec![0.0, top * KPA]).collect();
                 let sections = sweep.section_laws(module, &axes, &run)?.unwrap_or_default();
