@@ -202,9 +202,9 @@ const CUBIC: usize = DEGREE + 1;
 #[inline(always)]
 fn line<T: Real, const OUT: usize>(axis: &AxisBasis<T>, entries: &[[T; OUT]; CUBIC]) -> ([T; OUT], [T; OUT]) {
     let (mut value, mut slope) = ([T::ZERO; OUT], [T::ZERO; OUT]);
-    for function in 0..CUBIC {
-        add_scaled(&mut value, axis.values[function], &entries[function]);
-        add_scaled(&mut slope, axis.slopes[function], &entries[function]);
+    for ((entry, b), db) in entries.iter().zip(axis.values).zip(axis.slopes) {
+        add_scaled(&mut value, b, entry);
+        add_scaled(&mut slope, db, entry);
     }
     (value, slope)
 }
