@@ -128,8 +128,8 @@ pub fn judge(studied: &[Studied], findings: &mut Findings) {
         reason: match (by_rods, by_solids) {
             (true, _) => "least idle pressures are in the table".into(),
             (false, true) => format!(
-                "it keeps the walls of the idle FREEs round{}: the table has it by the case's pressure. There is no buckling to prevent in rods, whose bow idle pressure does \
-                 not lessen",
+                "it keeps the walls of the idle FREEs round{}: the table has it by the case's pressure. There is no buckling to \
+                 prevent in rods",
                 greatest_share(studied).map_or_else(String::new, |share| format!(", at most {:.0} % of the case's pressure", 100.0 * share))
             ),
             (false, false) if studied.iter().all(grows) => {
