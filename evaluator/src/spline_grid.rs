@@ -198,9 +198,8 @@ impl<T: Real> PointBasis<T> {
 /// Functions of a cubic axis on a span.
 const CUBIC: usize = DEGREE + 1;
 
-/// Value and slope along a cubic last axis, whose coefficients are contiguous.
 #[inline(always)]
-fn line<T: Real, const OUT: usize>(axis: &AxisBasis<T>, entries: &[[T; OUT]; CUBIC]) -> ([T; OUT], [T; OUT]) {
+fn sum_entries<T: Real, const OUT: usize>(axis: &AxisBasis<T>, entries: &[[T; OUT]]) -> ([T; OUT], [T; OUT]) {
     let (mut value, mut slope) = ([T::ZERO; OUT], [T::ZERO; OUT]);
     for ((entry, b), db) in entries.iter().zip(axis.values).zip(axis.slopes) {
         add_scaled(&mut value, b, entry);
@@ -209,21 +208,53 @@ fn line<T: Real, const OUT: usize>(axis: &AxisBasis<T>, entries: &[[T; OUT]; CUB
     (value, slope)
 }
 
-/// Value and slopes along the two last axes, both cubic: all sums in registers, where nearly all of the time goes.
-#[inline]
+/// Value and slope along the last axis, whose coefficients are contiguous.
+#[inline(always)]
+fn line<T: Real, const OUT: usize>(
+    axis: &AxisBasis<T>,
+    coefficients: &[[T; OUT]],
+    start: usize,
+) -> ([T; OUT], [T; OUT]) {
+    let entries = &coefficients[start..start + axis.functions];
+    // Of a length that is known when it is compiled, the sums stay in registers.
+    match entries.first_chunk::<CUBIC>() {
+        Some(cubic) => sum_entries(axis, cubic),
+        None => sum_entries(axis, entries),
+    }
+}
+
+/// Value and slopes along the two last axes.
+#[inline(always)]
 fn plane<T: Real, const OUT: usize>(
     [first, last]: [&AxisBasis<T>; 2],
     coefficients: &[[T; OUT]],
     start: usize,
 ) -> [[T; OUT]; 3] {
     let mut sums = [[T::ZERO; OUT]; 3];
-    for function in 0..CUBIC {
-        let from = start + function * first.stride;
-        let entries = coefficients[from..from + CUBIC].first_chunk().expect("it is as long");
-        let (value, slope) = line(last, entries);
-        add_scaled(&mut sums[0], first.values[function], &value);
-        add_scaled(&mut sums[1], first.slopes[function], &value);
-        add_scaled(&mut sums[2], first.values[function], &slope);
+    for (function, (b, db)) in first.values.into_iter().zip(first.slopes).take(first.functions).enumerate() {
+        let (value, slope) = line(last, coefficients, start + function * first.stride);
+        add_scaled(&mut sums[0], b, &value);
+        add_scaled(&mut sums[1], db, &value);
+        add_scaled(&mut sums[2], b, &slope);
+    }
+    sums
+}
+
+/// Value and slopes along the three last axes; nearly all of the time goes here.
+#[inline]
+fn volume<T: Real, const OUT: usize>(
+    [first, second, last]: [&AxisBasis<T>; 3],
+    coefficients: &[[T; OUT]],
+    start: usize,
+) -> [[T; OUT]; 4] {
+    let mut sums = [[T::ZERO; OUT]; 4];
+    for (function, (b, db)) in first.values.into_iter().zip(first.slopes).take(first.functions).enumerate() {
+        let [value, by_second, by_last] =
+            plane([second, last], coefficients, start + function * first.stride);
+        add_scaled(&mut sums[0], b, &value);
+        add_scaled(&mut sums[1], db, &value);
+        add_scaled(&mut sums[2], b, &by_second);
+        add_scaled(&mut sums[3], b, &by_last);
     }
     sums
 }
@@ -237,36 +268,35 @@ fn contract<T: Real, const OUT: usize>(
     value: &mut [T; OUT],
     gradient: &mut [[T; OUT]],
 ) {
-    let (axis, rest) = axes.split_first().expect("a basis has at least one axis");
-    let start = offset + axis.offset;
-    if let [last] = rest
-        && axis.functions == CUBIC
-        && last.functions == CUBIC
-    {
-        let sums = plane([axis, last], coefficients, start + last.offset);
-        *value = sums[0];
-        gradient.copy_from_slice(&sums[1..]);
-        return;
-    }
-    *value = [T::ZERO; OUT];
-    gradient.fill([T::ZERO; OUT]);
-    if rest.is_empty() {
-        let line = &coefficients[start..start + axis.functions];
-        for ((entry, b), db) in line.iter().zip(axis.values).zip(axis.slopes) {
-            add_scaled(value, b, entry);
-            add_scaled(&mut gradient[0], db, entry);
+    match axes {
+        [] => *value = coefficients[offset],
+        [axis] => (*value, gradient[0]) = line(axis, coefficients, offset + axis.offset),
+        [first, last] => {
+            let sums = plane([first, last], coefficients, offset + first.offset + last.offset);
+            *value = sums[0];
+            gradient.copy_from_slice(&sums[1..]);
         }
-        return;
-    }
-    let mut inner = [T::ZERO; OUT];
-    let mut inner_gradient = [[T::ZERO; OUT]; MAX_AXES];
-    let inner_gradient = &mut inner_gradient[..rest.len()];
-    for function in 0..axis.functions {
-        contract(rest, coefficients, start + function * axis.stride, &mut inner, inner_gradient);
-        add_scaled(value, axis.values[function], &inner);
-        add_scaled(&mut gradient[0], axis.slopes[function], &inner);
-        for (into, from) in gradient[1..].iter_mut().zip(inner_gradient.iter()) {
-            add_scaled(into, axis.values[function], from);
+        [first, second, last] => {
+            let start = offset + first.offset + second.offset + last.offset;
+            let sums = volume([first, second, last], coefficients, start);
+            *value = sums[0];
+            gradient.copy_from_slice(&sums[1..]);
+        }
+        [axis, rest @ ..] => {
+            *value = [T::ZERO; OUT];
+            gradient.fill([T::ZERO; OUT]);
+            let mut inner = [T::ZERO; OUT];
+            let mut inner_gradient = [[T::ZERO; OUT]; MAX_AXES];
+            let inner_gradient = &mut inner_gradient[..rest.len()];
+            for function in 0..axis.functions {
+                let from = offset + axis.offset + function * axis.stride;
+                contract(rest, coefficients, from, &mut inner, inner_gradient);
+                add_scaled(value, axis.values[function], &inner);
+                add_scaled(&mut gradient[0], axis.slopes[function], &inner);
+                for (into, from) in gradient[1..].iter_mut().zip(inner_gradient.iter()) {
+                    add_scaled(into, axis.values[function], from);
+                }
+            }
         }
     }
 }
