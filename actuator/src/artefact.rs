@@ -31,9 +31,11 @@ pub const MAP_VERSION_2: Kind = Kind { version: 2, ..MAP };
 /// The same before states of modules told how near their FREEs are to each other.
 pub const MAP_VERSION_3: Kind = Kind { version: 3, ..MAP };
 /// A fitted model.
-pub const MODEL: Kind = Kind { magic: *b"FREEmdl\0", version: 2, name: "model" };
+pub const MODEL: Kind = Kind { magic: *b"FREEmdl\0", version: 3, name: "model" };
 /// The same before models had error bars and domains other than boxes.
 pub const MODEL_VERSION_1: Kind = Kind { version: 1, ..MODEL };
+/// The same before models of single FREEs had error bars.
+pub const MODEL_VERSION_2: Kind = Kind { version: 2, ..MODEL };
 
 /// Why a binary file cannot be read or written.
 #[derive(Debug, thiserror::Error)]

@@ -1,6 +1,7 @@
 use crate::{
     Axis, Real, TensorSpline,
     effect::{Chain, Effect},
+    multilinear,
 };
 use core::fmt;
 
@@ -94,6 +95,8 @@ pub struct FreeSplines<T, R> {
     states: TensorSpline<T, R, 3>,
     /// Greatest p/p_reference of the domain: where the path coordinate ends.
     usable: T,
+    /// Of each node of the states the error bars of stretch, expansion and twist per length (rad/m); empty where none are known.
+    bars: R,
 }
 
 /// p_reference and its derivatives along angle and modulus.
@@ -110,11 +113,17 @@ fn snap<T: Real, R: AsRef<[T]>>(axis: &Axis<T, R>, value: T) -> Option<T> {
 }
 
 impl<T: Real, R: AsRef<[T]>> FreeSplines<T, R> {
-    /// Puts the two splines together; says what is wrong where they do not belong together.
+    /// Puts the two splines together, with error bars of stretch, expansion and twist per length (rad/m) of every node of the states, or
+    /// none; says what is wrong where they do not belong together.
     pub fn new(
         scaled_reference: TensorSpline<T, R, 1>,
         states: TensorSpline<T, R, 3>,
+        bars: R,
     ) -> Result<Self, &'static str> {
+        let expected = states.grid().node_count() * 3;
+        if ![0, expected].contains(&bars.as_ref().len()) || !bars.as_ref().iter().all(|bar| bar.is_finite()) {
+            return Err("it has not three error bars per node");
+        }
         let (of_reference, of_states) = (scaled_reference.grid().axes(), states.grid().axes());
         if of_reference.len() != 2 || of_states.len() != 3 || of_reference[1].nodes() != of_states[1].nodes()
         {
@@ -139,7 +148,7 @@ impl<T: Real, R: AsRef<[T]>> FreeSplines<T, R> {
             return Err("a shear modulus is not positive");
         }
         let usable = T::ONE - (T::ONE - top) * (T::ONE - top);
-        Ok(FreeSplines { scaled_reference, states, usable })
+        Ok(FreeSplines { scaled_reference, states, usable, bars })
     }
 
     /// The spline of modulus/p_reference over (angle, modulus).
@@ -150,6 +159,42 @@ impl<T: Real, R: AsRef<[T]>> FreeSplines<T, R> {
     /// The splines of 1/(axial stretch), expansion and twist per length over (square root of the angle, modulus, s).
     pub fn states(&self) -> &TensorSpline<T, R, 3> {
         &self.states
+    }
+
+    /// Error bars of every node of the states; empty where none are known.
+    pub fn bars(&self) -> &[[T; 3]] {
+        self.bars.as_ref().as_chunks().0
+    }
+
+    /// Sets the error bars of stretch, expansion and twist per length (rad/m) of every node of the states, or none.
+    ///
+    /// # Panics
+    /// When they are neither three a node nor none.
+    pub fn set_bars(&mut self, bars: R) {
+        let expected = 3 * self.states.grid().node_count();
+        assert!([0, expected].contains(&bars.as_ref().len()), "there are three bars a node, or none");
+        self.bars = bars;
+    }
+
+    /// What 95 of 100 errors of stretch, expansion and twist per length (rad/m) against the finite elements stay below around a
+    /// pressure (Pa), winding angle (rad) and shear modulus (Pa); `None` where the model was made without states to judge it by.
+    ///
+    /// # Errors
+    /// Where angle or modulus lie outside. A pressure outside counts as the nearest inside.
+    pub fn error_bars(
+        &self,
+        pressure: T,
+        winding_angle: T,
+        shear_modulus: T,
+    ) -> Result<Option<[T; 3]>, OutsideFree<T>> {
+        let [angle, modulus] = self.inside(winding_angle, shear_modulus)?;
+        let reference = self.reference([angle, modulus])?.pressure;
+        if self.bars().is_empty() || reference <= T::ZERO {
+            return Ok(None);
+        }
+        let share = (pressure / reference).greater(T::ZERO).lesser(self.usable);
+        let s = T::ONE - (T::ONE - share).sqrt();
+        Ok(Some(multilinear(self.states.grid(), self.bars(), &[angle.sqrt(), modulus, s])))
     }
 
     /// Winding angles and shear moduli of the grid: (rad, Pa).

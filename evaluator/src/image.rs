@@ -7,8 +7,8 @@ use core::fmt;
 
 /// First eight bytes of an image.
 pub const MAGIC: [u8; 8] = *b"FREEimg\0";
-/// Format version that is read and written.
-pub const VERSION: u32 = 1;
+/// Format version that is written; those before are read.
+pub const VERSION: u32 = 2;
 /// Bytes before the content: magic, version, bytes per number, CRC-32 of what follows the header, counts of integers and numbers, zero.
 pub const HEADER: usize = 32;
 
@@ -73,7 +73,7 @@ impl fmt::Display for ImageError {
         match self {
             ImageError::NoImage => f.write_str("not a freeact image; make one with `freeact export`"),
             ImageError::Version(found) => {
-                write!(f, "image format version {found} is not known here (this evaluator reads {VERSION}); use a newer one")
+                write!(f, "image format version {found} is not known here (this evaluator reads up to {VERSION}); use a newer one")
             }
             ImageError::Precision(bytes) => {
                 write!(f, "the image holds numbers of {bytes} bytes, not of the precision asked for; export it again")
@@ -203,7 +203,7 @@ impl<'a, T: Real + bytemuck::Pod> Image<'a, T> {
             u32::from_le_bytes(four)
         };
         let [version, precision, checksum, integers, numbers] = [word(0), word(1), word(2), word(3), word(4)];
-        if version != VERSION {
+        if !(1..=VERSION).contains(&version) {
             return Err(ImageError::Version(version));
         }
         if precision as usize != size_of::<T>() {
@@ -225,10 +225,13 @@ impl<'a, T: Real + bytemuck::Pod> Image<'a, T> {
         let (content, frees) = match reader.integer()? {
             FREE => {
                 let (reference, states) = (reader.spline(2)?, reader.spline(3)?);
-                let splines = FreeSplines::new(reference, states).map_err(ImageError::Content)?;
                 let &[winding_angle, shear_modulus] = reader.numbers(Some(2))? else {
                     return Err(ImageError::Length);
                 };
+                // The first version had none.
+                let has_bars = if version > 1 { reader.count()? } else { 0 };
+                let bars = reader.numbers((3 * has_bars).checked_mul(states.grid().node_count()))?;
+                let splines = FreeSplines::new(reference, states, bars).map_err(ImageError::Content)?;
                 (Content::Free { splines, winding_angle, shear_modulus }, 1)
             }
             MODULE => {

@@ -18,9 +18,15 @@ const FLOOR: f64 = 0.05;
 /// Scale of the errors of position (m) and rotation (rad) at every node: what the node's chart differs by from the polynomial through
 /// its nearest neighbours with a state, summed over the axes, and the greatest of that among the nodes beside it.
 pub(crate) fn scale(grid: &SplineGrid, chart: &[Option<[f64; 6]>]) -> Vec<[f64; 2]> {
-    let own: Vec<[f64; 2]> = (0..grid.node_count()).map(|node| misses(grid, chart, node)).collect();
-    let mean = |output: usize| own.iter().map(|pair| pair[output]).sum::<f64>() / own.len() as f64;
-    let floor = [mean(0), mean(1)].map(|mean| (FLOOR * mean).max(f64::MIN_POSITIVE));
+    widened(grid, (0..grid.node_count()).map(|node| misses(grid, chart, node)).collect())
+}
+
+/// Of each node the greatest of its own numbers and those of the nodes beside it, and no less than a share of the mean.
+pub(crate) fn widened<const OUT: usize>(grid: &SplineGrid, own: Vec<[f64; OUT]>) -> Vec<[f64; OUT]> {
+    let floor: [f64; OUT] = std::array::from_fn(|output| {
+        let mean = own.iter().map(|row| row[output]).sum::<f64>() / own.len() as f64;
+        (FLOOR * mean).max(f64::MIN_POSITIVE)
+    });
     (0..grid.node_count())
         .map(|node| {
             let mut greatest = own[node];
@@ -29,10 +35,10 @@ pub(crate) fn scale(grid: &SplineGrid, chart: &[Option<[f64; 6]>]) -> Vec<[f64; 
                 let below = (place > 0).then(|| own[node - stride]);
                 let above = (place + 1 < axis.nodes().len()).then(|| own[node + stride]);
                 for beside in below.into_iter().chain(above) {
-                    greatest = [greatest[0].max(beside[0]), greatest[1].max(beside[1])];
+                    greatest = std::array::from_fn(|output| greatest[output].max(beside[output]));
                 }
             }
-            [greatest[0].max(floor[0]), greatest[1].max(floor[1])]
+            std::array::from_fn(|output| greatest[output].max(floor[output]))
         })
         .collect()
 }
@@ -43,23 +49,36 @@ fn misses(grid: &SplineGrid, chart: &[Option<[f64; 6]>], node: usize) -> [f64; 2
     axes.fold([0.0; 2], |sum, miss| [sum[0] + miss[0], sum[1] + miss[1]])
 }
 
-/// By how much its neighbours along one axis miss a node.
+/// By how much its neighbours along one axis miss a node of a module's map.
 fn miss_along(grid: &SplineGrid, chart: &[Option<[f64; 6]>], node: usize, axis: usize) -> [f64; 2] {
-    let Some(here) = chart[node] else { return [0.0; 2] };
+    let (Some(here), Some(off)) = (chart[node], off_neighbours(grid, chart, node, axis)) else {
+        return [0.0; 2];
+    };
+    let [twist, bend_x, bend_y, x, y, z] = off;
+    // The chart's position stands in a frame that turns by half the twist.
+    let arm = here[3].hypot(here[4]);
+    [x.hypot(y).hypot(z) + 0.5 * arm * twist.abs(), twist.abs() + bend_x.hypot(bend_y)]
+}
+
+/// What a node's numbers are more than those of the polynomial through its nearest neighbours along one axis; `None` for a node
+/// without numbers, or without neighbours that have any.
+pub(crate) fn off_neighbours<const OUT: usize>(
+    grid: &SplineGrid,
+    table: &[Option<[f64; OUT]>],
+    node: usize,
+    axis: usize,
+) -> Option<[f64; OUT]> {
+    let mut off = table[node]?;
     let (nodes, stride) = (grid.axes()[axis].nodes(), grid.strides()[axis]);
     let place = node / stride % nodes.len();
     let line = node - place * stride;
-    let mut near: Vec<(f64, [f64; 6])> = (0..nodes.len())
+    let mut near: Vec<(f64, [f64; OUT])> = (0..nodes.len())
         .filter(|other| *other != place)
-        .filter_map(|other| Some((nodes[other], chart[line + other * stride]?)))
+        .filter_map(|other| Some((nodes[other], table[line + other * stride]?)))
         .collect();
-    if near.is_empty() {
-        return [0.0; 2];
-    }
     let at = nodes[place];
     near.sort_by(|a, b| (a.0 - at).abs().total_cmp(&(b.0 - at).abs()));
     near.truncate(NEIGHBOURS);
-    let mut off = here;
     for (x, values) in &near {
         // Lagrange's polynomial of this neighbour, at the node.
         let others = near.iter().filter(|(y, _)| y != x);
@@ -68,10 +87,7 @@ fn miss_along(grid: &SplineGrid, chart: &[Option<[f64; 6]>], node: usize, axis: 
             *off -= weight * value;
         }
     }
-    let [twist, bend_x, bend_y, x, y, z] = off;
-    // The chart's position stands in a frame that turns by half the twist.
-    let arm = here[3].hypot(here[4]);
-    [x.hypot(y).hypot(z) + 0.5 * arm * twist.abs(), twist.abs() + bend_x.hypot(bend_y)]
+    (!near.is_empty()).then_some(off)
 }
 
 /// How badly (m, root of the mean square) the positions of a map's nodes are foretold by their neighbours along each axis: where a finer
@@ -91,7 +107,7 @@ pub fn axis_misses(map: &ModuleMap) -> Vec<f64> {
 }
 
 /// Factor under which 95 of 100 ratios stay; the greatest where they are too few to tell.
-fn factor(mut ratios: Vec<f64>) -> f64 {
+pub(crate) fn factor(mut ratios: Vec<f64>) -> f64 {
     ratios.sort_by(f64::total_cmp);
     let rank = (95 * (ratios.len() + 1)).div_ceil(100).clamp(1, ratios.len());
     ratios[rank - 1]

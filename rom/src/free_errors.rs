@@ -32,6 +32,19 @@ pub struct FreeErrors {
     pub worst_at: Option<[f64; 3]>,
 }
 
+/// How often the error bars of a FREE's model hold on states that took no part in setting them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FreeBarCoverage {
+    /// Number of states.
+    pub states: usize,
+    /// Those whose axial stretch is within its bar.
+    pub axial_stretch: usize,
+    /// Those whose expansion is within its bar.
+    pub expansion: usize,
+    /// Those whose twist per length is within its bar.
+    pub twist_per_length: usize,
+}
+
 #[derive(Default)]
 struct Collected {
     axial_stretch: Vec<f64>,

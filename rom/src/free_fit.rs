@@ -1,5 +1,6 @@
 use crate::{
-    FreeErrors, FreeModel, LIMIT_MARGIN, SplineError, free_model::FreeFacts, interpolation::interpolate,
+    FreeErrors, FreeModel, LIMIT_MARGIN, SplineError, free_bars, free_model::FreeFacts,
+    interpolation::interpolate,
 };
 use actuator::{FreeMap, FreePath, PathEnd, units::DEG, units::MPA};
 
@@ -165,10 +166,12 @@ impl FreeModel {
         // See FreeModel for the coordinates.
         let roots = angles.iter().map(|angle| angle.sqrt()).collect();
         let scaled_reference = interpolate(vec![angles, moduli.clone()], references)?;
+        let table = states.clone();
         let states = interpolate(vec![roots, moduli, nodes], states)?;
         let facts = FreeFacts { free: map.node.free, limited, errors: FreeErrors::default() };
-        let mut model = Self::assemble(facts, scaled_reference, states)?;
+        let mut model = Self::assemble(facts, scaled_reference, states, Default::default())?;
         model.set_errors(FreeErrors::of(&model, map));
+        free_bars::set(&mut model, map, &table);
         Ok(model)
     }
 }

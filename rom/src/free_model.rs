@@ -1,4 +1,4 @@
-use crate::{FreeErrors, SplineAxis, TensorSpline, free_fit::FreeFitError};
+use crate::{FreeBarCoverage, FreeErrors, SplineAxis, TensorSpline, free_fit::FreeFitError};
 use actuator::Free;
 use evaluator::FreeSplines;
 use serde::{Deserialize, Serialize};
@@ -27,6 +27,7 @@ pub(crate) struct FreeFacts {
 pub struct FreeModel {
     facts: FreeFacts,
     splines: FreeSplines<f64, Vec<f64>>,
+    coverage: FreeBarCoverage,
 }
 
 impl FreeModel {
@@ -35,14 +36,15 @@ impl FreeModel {
         facts: FreeFacts,
         scaled_reference: TensorSpline<1>,
         states: TensorSpline<3>,
+        (bars, coverage): (Vec<f64>, FreeBarCoverage),
     ) -> Result<Self, FreeFitError> {
         let paths = scaled_reference.grid().node_count();
-        let splines = FreeSplines::new(scaled_reference, states)
+        let splines = FreeSplines::new(scaled_reference, states, bars)
             .map_err(|problem| FreeFitError::Inconsistent { problem })?;
         if facts.limited.len() != paths {
             return Err(FreeFitError::Inconsistent { problem: "it does not say of every path how it ends" });
         }
-        Ok(FreeModel { facts, splines })
+        Ok(FreeModel { facts, splines, coverage })
     }
 
     /// The splines, as a controller evaluates them.
@@ -113,8 +115,18 @@ impl FreeModel {
         &self.facts.errors
     }
 
+    /// How often the error bars hold on states that took no part in setting them.
+    pub fn bar_coverage(&self) -> FreeBarCoverage {
+        self.coverage
+    }
+
     pub(crate) fn set_errors(&mut self, errors: FreeErrors) {
         self.facts.errors = errors;
+    }
+
+    pub(crate) fn set_bars(&mut self, bars: Vec<f64>, coverage: FreeBarCoverage) {
+        self.splines.set_bars(bars);
+        self.coverage = coverage;
     }
 
     pub(crate) fn facts(&self) -> &FreeFacts {

@@ -58,6 +58,8 @@ impl Writer {
         self.numbers.extend_from_slice(splines.states().coefficients().as_flattened());
         let free = free.free();
         self.numbers.extend([free.winding.angle_from_hoop(), free.elastomer.shear_modulus()]);
+        self.integers.push(u32::from(!splines.bars().is_empty()));
+        self.numbers.extend_from_slice(splines.bars().as_flattened());
         Ok(())
     }
 

@@ -3,6 +3,7 @@
 pub mod effect;
 mod error_bars;
 mod error_statistics;
+mod free_bars;
 mod free_errors;
 mod free_fit;
 mod free_model;
@@ -24,7 +25,7 @@ mod synthetic;
 pub use error_bars::axis_misses;
 pub use error_statistics::ErrorStatistics;
 pub use evaluator::MAX_AXES;
-pub use free_errors::{DeformationErrors, FreeErrors};
+pub use free_errors::{DeformationErrors, FreeBarCoverage, FreeErrors};
 pub use free_fit::FreeFitError;
 pub use free_model::{FreeEvaluation, FreeModel, OutsideFree};
 pub use image::NoImage;

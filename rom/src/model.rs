@@ -2,7 +2,7 @@ use crate::{
     FreeModel, ModuleModel,
     effect::{Chain, EffectError},
     stored_model::StoredModel,
-    stored_model_old::StoredModelVersion1,
+    stored_model_old::{StoredModelVersion1, StoredModelVersion2},
 };
 use actuator::artefact::{self, ArtefactError};
 use serde::{Deserialize, Serialize};
@@ -173,13 +173,18 @@ impl Model {
 
     /// Reads a model from the bytes of a file; `path` is for messages.
     pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, ModelError> {
-        let of_first = bytes.starts_with(&artefact::MODEL.magic)
-            && artefact::version(bytes) == Some(artefact::MODEL_VERSION_1.version);
-        let stored = if of_first {
-            let old: StoredModelVersion1 = artefact::from_bytes(path, artefact::MODEL_VERSION_1, bytes)?;
-            StoredModel::try_from(old)
-        } else {
-            Ok(artefact::from_bytes(path, artefact::MODEL, bytes)?)
+        let is_model = bytes.starts_with(&artefact::MODEL.magic);
+        let stored = match artefact::version(bytes).filter(|_| is_model) {
+            Some(1) => StoredModel::try_from(artefact::from_bytes::<StoredModelVersion1>(
+                path,
+                artefact::MODEL_VERSION_1,
+                bytes,
+            )?),
+            Some(2) => {
+                let old: StoredModelVersion2 = artefact::from_bytes(path, artefact::MODEL_VERSION_2, bytes)?;
+                Ok(old.into())
+            }
+            _ => Ok(artefact::from_bytes(path, artefact::MODEL, bytes)?),
         };
         stored
             .and_then(Model::try_from)

@@ -1,8 +1,8 @@
 //! A model as its file holds it: plain lists, which become a model only after every length and number was checked.
 
 use crate::{
-    ErrorStatistics, FreeModel, InvalidModel, Model, ModelContent, ModuleModel, Provenance, SplineError,
-    SplineGrid, TensorSpline,
+    ErrorStatistics, FreeBarCoverage, FreeModel, InvalidModel, Model, ModelContent, ModuleModel, Provenance,
+    SplineError, SplineGrid, TensorSpline,
     effect::{Chain, Effect, EffectKind},
     free_model::FreeFacts,
     interpolation::{from_coefficients, grid},
@@ -35,13 +35,11 @@ pub(crate) enum StoredContent {
         facts: FreeFacts,
         scaled_reference: StoredSpline,
         states: StoredSpline,
+        bars: Vec<f64>,
+        coverage: FreeBarCoverage,
     },
     /// Tables of all nodes, or of the first of each orbit under the module's symmetry.
-    Module {
-        facts: ModuleFacts,
-        nodes: Vec<Vec<f64>>,
-        tables: Tables,
-    },
+    Module { facts: ModuleFacts, nodes: Vec<Vec<f64>>, tables: Tables },
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -104,6 +102,8 @@ impl From<&Model> for StoredModel {
                 facts: free.facts().clone(),
                 scaled_reference: StoredSpline::from_spline(free.splines().scaled_reference()),
                 states: StoredSpline::from_spline(free.splines().states()),
+                bars: free.splines().bars().as_flattened().to_vec(),
+                coverage: free.bar_coverage(),
             },
             ModelContent::Module(module) => {
                 let splines = module.splines();
@@ -187,12 +187,13 @@ impl TryFrom<StoredModel> for Model {
 
     fn try_from(stored: StoredModel) -> Result<Self, InvalidModel> {
         let content = match stored.content {
-            StoredContent::Free { facts, scaled_reference, states } => {
+            StoredContent::Free { facts, scaled_reference, states, bars, coverage } => {
                 check_free_facts(&facts)?;
                 ModelContent::Free(FreeModel::assemble(
                     facts,
                     scaled_reference.into_spline()?,
                     states.into_spline()?,
+                    (bars, coverage),
                 )?)
             }
             StoredContent::Module { facts, nodes, tables } => {

@@ -1,4 +1,5 @@
-//! Models as files of format version 1 hold them: without error bars, and with the box of their grid as their domain.
+//! Models as files of earlier formats hold them. Version 1: without error bars, and with the box of their grid as their domain. Version 2:
+//! single FREEs without error bars.
 
 use crate::{
     ErrorStatistics, InvalidModel, ModuleErrors, Provenance,
@@ -38,6 +39,39 @@ enum Content {
     Module { facts: Facts, chart: StoredSpline, slopes: Vec<Vec<f64>> },
 }
 
+#[derive(Deserialize)]
+#[expect(clippy::large_enum_variant, reason = "there is one of it, while a file is read")]
+enum ContentVersion2 {
+    Free { facts: FreeFacts, scaled_reference: StoredSpline, states: StoredSpline },
+    Module { facts: ModuleFacts, nodes: Vec<Vec<f64>>, tables: Tables },
+}
+
+/// A model of format version 2.
+#[derive(Deserialize)]
+pub(crate) struct StoredModelVersion2 {
+    content: ContentVersion2,
+    effects: Vec<EffectSetting>,
+    provenance: Provenance,
+}
+
+impl From<StoredModelVersion2> for StoredModel {
+    fn from(old: StoredModelVersion2) -> Self {
+        let content = match old.content {
+            ContentVersion2::Free { facts, scaled_reference, states } => {
+                without_bars(facts, scaled_reference, states)
+            }
+            ContentVersion2::Module { facts, nodes, tables } => {
+                StoredContent::Module { facts, nodes, tables }
+            }
+        };
+        StoredModel { content, effects: old.effects, provenance: old.provenance }
+    }
+}
+
+fn without_bars(facts: FreeFacts, scaled_reference: StoredSpline, states: StoredSpline) -> StoredContent {
+    StoredContent::Free { facts, scaled_reference, states, bars: Vec::new(), coverage: Default::default() }
+}
+
 /// A model of format version 1.
 #[derive(Deserialize)]
 pub(crate) struct StoredModelVersion1 {
@@ -52,7 +86,7 @@ impl TryFrom<StoredModelVersion1> for StoredModel {
     fn try_from(old: StoredModelVersion1) -> Result<Self, InvalidModel> {
         let content = match old.content {
             Content::Free { facts, scaled_reference, states } => {
-                StoredContent::Free { facts, scaled_reference, states }
+                without_bars(facts, scaled_reference, states)
             }
             Content::Module { facts, chart, slopes } => {
                 let grid = grid(chart.nodes.clone())?;

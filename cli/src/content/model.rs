@@ -121,12 +121,24 @@ fn free_text(free: &FreeModel) -> String {
             format!("{} to {}", short(first / unit), short(last / unit))
         }
     };
-    format!(
+    let mut text = format!(
         "  winding angle {}° from the hoop, shear modulus {} MPa, pressure up to 98 % of the limit\n\n{}",
         span(free.winding_angles(), DEG),
         span(free.shear_moduli(), MPA),
         table.text()
-    )
+    );
+    let held = free.bar_coverage();
+    if held.states > 0 {
+        let share = |count: usize| short(100.0 * count as f64 / held.states as f64);
+        text += &format!(
+            "\n  error bars, set to hold 95 %: hold for {} % of stretches, {} % of expansions and {} % of twists of {} states that did not set them\n",
+            share(held.axial_stretch),
+            share(held.expansion),
+            share(held.twist_per_length),
+            held.states
+        );
+    }
+    text
 }
 
 fn free_json(free: &FreeModel) -> Value {

@@ -105,30 +105,36 @@ const MODULE_POSITION: [f64; 3] = [-17.0496883475e-3, -7.52964454601e-3, 176.540
 const FREE_STATE: [f64; 3] = [1.01800133355, 1.08246491191, -1.34610988227];
 
 #[test]
-fn models_of_the_first_format_are_read() {
-    let old = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data").join(name);
-    let paths = [old("version-1-module.model"), old("version-1-free.model")];
-    let [module, free] = paths.map(|path| {
-        assert_eq!(artefact::version(&std::fs::read(&path).unwrap()), Some(1));
-        let model = Model::read(&path).unwrap();
-        let bytes = model.to_bytes().unwrap();
-        assert_eq!(artefact::version(&bytes), Some(artefact::MODEL.version));
-        assert_eq!(read(&bytes).unwrap(), model);
-        model
-    });
-    // What `freeact predict` of the version that wrote them printed.
-    let module = module.as_module().unwrap();
-    let mut into = module.workspace();
-    module.evaluate(&[40e3, 10e3, 0.0, 20e3], &mut into).unwrap();
-    let position = into.chart.to_pose().position;
-    for (value, expected) in position.iter().zip(MODULE_POSITION) {
-        assert!((value - expected).abs() < 1e-12, "{position:?}");
-    }
-    assert!(module.splines().error_bars(&[0.0; 4]).is_none() && module.errors().position.count == 6);
-    let free = free.as_free().unwrap().evaluate(30e3, 30f64.to_radians(), 0.393e6).unwrap();
-    let twist = free.twist_per_length.to_degrees() / 1e3;
-    for (value, expected) in [free.axial_stretch, free.expansion, twist].iter().zip(FREE_STATE) {
-        assert!((value - expected).abs() < 1e-10, "{free:?}");
+fn models_of_earlier_formats_are_read() {
+    let old = |name: String| Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data").join(name);
+    for version in [1, 2] {
+        let [module, free] = ["module", "free"].map(|kind| {
+            let path = old(format!("version-{version}-{kind}.model"));
+            assert_eq!(artefact::version(&std::fs::read(&path).unwrap()), Some(version));
+            let model = Model::read(&path).unwrap();
+            let bytes = model.to_bytes().unwrap();
+            assert_eq!(artefact::version(&bytes), Some(artefact::MODEL.version));
+            assert_eq!(read(&bytes).unwrap(), model);
+            model
+        });
+        // Both were fitted to the same maps.
+        let module = module.as_module().unwrap();
+        let mut into = module.workspace();
+        module.evaluate(&[40e3, 10e3, 0.0, 20e3], &mut into).unwrap();
+        let position = into.chart.to_pose().position;
+        for (value, expected) in position.iter().zip(MODULE_POSITION) {
+            assert!((value - expected).abs() < 1e-12, "{position:?}");
+        }
+        assert_eq!(module.splines().error_bars(&[0.0; 4]).is_some(), version == 2);
+        assert_eq!(module.errors().position.count, 6);
+        let angle = 30f64.to_radians();
+        let free = free.as_free().unwrap();
+        let state = free.evaluate(30e3, angle, 0.393e6).unwrap();
+        let twist = state.twist_per_length.to_degrees() / 1e3;
+        for (value, expected) in [state.axial_stretch, state.expansion, twist].iter().zip(FREE_STATE) {
+            assert!((value - expected).abs() < 1e-10, "{state:?}");
+        }
+        assert!(free.splines().error_bars(30e3, angle, 0.393e6).unwrap().is_none());
     }
 }
 
