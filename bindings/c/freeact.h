@@ -80,7 +80,7 @@ const char *freeact_error_text(int32_t code);
 const char *freeact_version(void);
 /* FREEACT_ABI of the library. */
 uint32_t freeact_abi(void);
-/* The version of images that the library reads. */
+/* The newest version of images that the library reads; it reads those before too. */
 uint32_t freeact_image_version(void);
 
 /* Double precision. */

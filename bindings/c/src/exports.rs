@@ -30,7 +30,7 @@ pub extern "C" fn freeact_version() -> *const c_char {
     VERSION.as_ptr()
 }
 
-/// The version of images that are read.
+/// The newest version of images that are read.
 #[unsafe(no_mangle)]
 pub extern "C" fn freeact_image_version() -> u32 {
     evaluator::VERSION

@@ -164,7 +164,7 @@ int main(int count, char **arguments) {
     for (int32_t code = -1; code < 40; code++) {
         if (strlen(freeact_error_text(code)) < 4) failures++;
     }
-    if (strlen(freeact_version()) < 5 || freeact_image_version() != 1 || freeact_abi() != FREEACT_ABI) failures++;
+    if (strlen(freeact_version()) < 5 || freeact_image_version() != 2 || freeact_abi() != FREEACT_ABI) failures++;
     free(image);
     free(free_image);
     free(short_image);
